@@ -1,0 +1,30 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "furrow/image/image.h"
+#include "furrow/rows/row_lines.h"
+
+namespace furrow::rows {
+
+enum class Method {
+  thesis,  ///< the thesis's chain: green mask, Otsu, morphology, skeleton, swept Hough (thesis.h)
+  field,   ///< one planar field of equally spaced rows fitted to the whole picture (default)
+};
+
+/// What is known about the shot before looking; each part helps and none is needed.
+struct Priors {
+  std::optional<double> horizon_v_px;        ///< picture row of the horizon at the middle column, from gimbal pitch and intrinsics
+  double horizon_sigma_px = 40.0;
+  std::optional<double> horizon_slope;       ///< dv/du of the horizon, from the gimbal's roll
+};
+
+struct DetectOptions {
+  Method method = Method::field;
+  Priors priors;
+};
+
+/// Finds the rows of a picture. Never fails: a picture without rows has a status that says so.
+RowLines detect(const Image& picture, const DetectOptions& options = {});
+
+}  // namespace furrow::rows

@@ -1,0 +1,51 @@
+#pragma once
+#include <Eigen/Core>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "furrow/stats/estimate.h"
+
+namespace furrow::rows {
+
+/// One cut across a row of plants.
+struct RowSample {
+  Eigen::Vector2d centre_px;  ///< middle of the visible row
+  double sigma_px = std::numeric_limits<double>::quiet_NaN();  ///< of the centre, across the row
+  /// Where the visible green begins and ends on the same picture row; NaN when that side is not seen (out of the picture, or grown into
+  /// the neighbour).
+  double left_u_px = std::numeric_limits<double>::quiet_NaN();
+  double right_u_px = std::numeric_limits<double>::quiet_NaN();
+  double edge_sigma_px = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// One row of plants in a picture.
+struct RowLine {
+  int index = 0;  ///< from left to right; 0 is the followed row: nearest the picture's middle column at its middle row
+  std::vector<RowSample> samples;  ///< from top to bottom, at most 10 px apart
+  /// Half the width between the edges where the row crosses the picture's middle row, or nothing.
+  std::optional<Estimate> half_width_px;
+  /// True when the row was seen itself; false when only the common field model carries it.
+  bool seen = true;
+};
+
+/// All that was found in one picture.
+struct RowLines {
+  std::string method;  ///< "thesis" or "field"
+  int width = 0, height = 0;  ///< of the picture, px
+  /// Common point of the rows; nothing when they are parallel in the picture (nadir).
+  std::optional<Eigen::Vector2d> vanishing_point_px;
+  std::vector<RowLine> rows;  ///< by index
+  /// Probability that the rows are right, in [0, 1].
+  double confidence = 0.0;
+  std::string status = "not run";  ///< "ok", or a code: "no_rows", "picture_unreadable", ...
+  std::string reason;              ///< a sentence when status is not "ok"
+
+  bool ok() const { return status == "ok"; }
+};
+
+/// u of the row's centre line on picture row `v` (linear between samples, extended by at most 10 px), or nothing.
+std::optional<double> u_at(const RowLine& row, double v);
+
+}  // namespace furrow::rows
