@@ -10,7 +10,8 @@ struct Geodetic {
   double height_ellipsoid_m = 0.0;
 };
 
-/// East-north-up frame ("world") at an origin. Exact (GeographicLib's LocalCartesian), not a flat-earth approximation.
+/// East-north-up frame ("world") at an origin. Exact (GeographicLib's LocalCartesian), not a flat-earth
+/// approximation.
 class LocalFrame {
  public:
   explicit LocalFrame(const Geodetic& origin) : origin_(origin) {}
