@@ -11,7 +11,8 @@
 
 namespace furrow::altitude {
 
-/// One cut across a row as directions: (x, y) on the plane z = 1 of the camera, with one-sigma across the row in the same unit.
+/// One cut across a row as directions: (x, y) on the plane z = 1 of the camera, with one-sigma across the row
+/// in the same unit.
 struct RowDirection {
   Eigen::Vector2d centre;
   double sigma = 0.0;
@@ -29,8 +30,9 @@ struct RowsOnUnitPlane {
   std::optional<Eigen::Vector2d> vanishing_point;
 };
 
-/// Takes rows from pixels to directions through the full camera model; samples that the model cannot unproject are left out.
-/// Errors: rows_not_ok (the detection's own reason), picture_size_differs (camera and picture).
+/// Takes rows from pixels to directions through the full camera model; samples that the model cannot
+/// unproject are left out. Errors: rows_not_ok (the detection's own reason), picture_size_differs (camera and
+/// picture).
 Result<RowsOnUnitPlane> rows_on_unit_plane(const rows::RowLines& lines, const Camera& camera);
 
 }  // namespace furrow::altitude

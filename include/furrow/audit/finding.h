@@ -11,8 +11,8 @@ enum class Verdict { pass, fail, not_assessed };
 
 /// A value against a limit, with the evidence.
 struct Finding {
-  std::string id;        ///< "calibration.rms", "heights.log_agreement", ...
-  std::string title;     ///< one line for a person
+  std::string id;     ///< "calibration.rms", "heights.log_agreement", ...
+  std::string title;  ///< one line for a person
   Verdict verdict = Verdict::not_assessed;
   std::string value;     ///< "0.41 px", "0.30 m"
   std::string limit;     ///< "at most 0.5 px"
@@ -21,16 +21,20 @@ struct Finding {
 
 /// Limits of the findings. Each is a plain reading of the quantity; change them for the job at hand.
 struct Limits {
-  double calibration_rms_px = 1.0;        ///< RMS above this: blurred boards, a wrong board file or a wrong lens model
-  double shots_with_height = 0.8;         ///< share of shots that must have a height
-  double log_height_sigmas = 3.0;         ///< mean difference of log and refined height, in its own sigma plus log_height_m
-  double log_height_m = 0.5;              ///< what a barometric height is allowed to be off over a flight, m
-  double pitch_bias_deg = 1.5;            ///< mean of refined minus gimbal pitch
+  double calibration_rms_px =
+      1.0;  ///< RMS above this: blurred boards, a wrong board file or a wrong lens model
+  double shots_with_height = 0.8;  ///< share of shots that must have a height
+  double log_height_sigmas =
+      3.0;  ///< mean difference of log and refined height, in its own sigma plus log_height_m
+  double log_height_m = 0.5;    ///< what a barometric height is allowed to be off over a flight, m
+  double pitch_bias_deg = 1.5;  ///< mean of refined minus gimbal pitch
 };
 
 std::vector<Finding> assess_calibration(const calib::Calibration& calibration, const Limits& limits = {});
 
-/// `row_height_m` takes the canopy heights to the ground for the comparison with the log; NaN leaves that finding not assessed.
-std::vector<Finding> assess_shots(const std::vector<ShotRecord>& records, double row_height_m, const Limits& limits = {});
+/// `row_height_m` takes the canopy heights to the ground for the comparison with the log; NaN leaves that
+/// finding not assessed.
+std::vector<Finding> assess_shots(const std::vector<ShotRecord>& records, double row_height_m,
+                                  const Limits& limits = {});
 
 }  // namespace furrow::audit

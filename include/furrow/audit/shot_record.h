@@ -22,16 +22,16 @@ struct ShotRecord {
   double height_vps_m = kMissing;      ///< log, surface below
   double pitch_log_deg = kMissing;     ///< gimbal, negative below the horizon
   Estimate pitch_deg;                  ///< refined
-  Estimate above_canopy_thesis_m;      ///< thesis formula with the automatic half width; its sigma stays unknown
-  Estimate above_canopy_spacing_m;     ///< closed form
+  Estimate above_canopy_thesis_m;   ///< thesis formula with the automatic half width; its sigma stays unknown
+  Estimate above_canopy_spacing_m;  ///< closed form
   Estimate above_canopy_refined_m;
   Estimate above_ground_refined_m;
-  Estimate cross_track_m;              ///< camera left of the followed row
-  Estimate heading_error_deg;          ///< camera points left of the row direction
+  Estimate cross_track_m;      ///< camera left of the followed row
+  Estimate heading_error_deg;  ///< camera points left of the row direction
   int rows_used = 0;
   double rows_confidence = kMissing;
-  std::string status;                  ///< "ok" or why there is no refined height
-  std::string reason;                  ///< a sentence when status is not "ok"
+  std::string status;                      ///< "ok" or why there is no refined height
+  std::string reason;                      ///< a sentence when status is not "ok"
   double truth_above_canopy_m = kMissing;  ///< simulated flights only; joined after all estimates are made
 };
 

@@ -14,8 +14,8 @@ namespace furrow::base {
 ///   fields.optional("height_m", options.height_m);
 ///   FURROW_DO(fields.finish());
 ///
-/// The first fault is kept and returned by finish(): wrong kind, missing key, or a key nobody asked for, with its line and the
-/// nearest known name. After a fault the remaining reads do nothing.
+/// The first fault is kept and returned by finish(): wrong kind, missing key, or a key nobody asked for, with
+/// its line and the nearest known name. After a fault the remaining reads do nothing.
 class Fields {
  public:
   /// `value` must outlive this. A null value counts as an empty mapping.

@@ -9,20 +9,26 @@
 
 namespace furrow::base {
 
-/// The whole file. Errors: file_missing, file_unreadable (a directory, no permission), file_too_large (over `limit_bytes`).
-Result<std::string> read_file(const std::filesystem::path& file, std::size_t limit_bytes = std::size_t{1} << 30);
+/// The whole file. Errors: file_missing, file_unreadable (a directory, no permission), file_too_large (over
+/// `limit_bytes`).
+Result<std::string> read_file(const std::filesystem::path& file,
+                              std::size_t limit_bytes = std::size_t{1} << 30);
 
-/// Writes under a temporary name beside `file`, then renames: a killed run leaves the old file or the new one, never half.
-/// Makes the folder when it is missing. Errors: file_unwritable (folder, permission, disk full).
+/// Writes under a temporary name beside `file`, then renames: a killed run leaves the old file or the new
+/// one, never half. Makes the folder when it is missing. Errors: file_unwritable (folder, permission, disk
+/// full).
 Status write_file(const std::filesystem::path& file, std::string_view bytes);
 
-/// The same for a writer that needs a path (an image or video library): `write` gets the temporary path, with `file`'s extension,
-/// and returns whether it went well.
-Status write_file_with(const std::filesystem::path& file, const std::function<bool(const std::filesystem::path&)>& write);
+/// The same for a writer that needs a path (an image or video library): `write` gets the temporary path, with
+/// `file`'s extension, and returns whether it went well.
+Status write_file_with(const std::filesystem::path& file,
+                       const std::function<bool(const std::filesystem::path&)>& write);
 
-/// Files that match `pattern` ('*' and '?' in the last part only), in natural order; relative patterns start at `base`. A pattern
-/// without wildcards is returned as it is, existing or not. Errors: no_match (names the pattern and the folder).
-Result<std::vector<std::filesystem::path>> expand_pattern(const std::string& pattern, const std::filesystem::path& base);
+/// Files that match `pattern` ('*' and '?' in the last part only), in natural order; relative patterns start
+/// at `base`. A pattern without wildcards is returned as it is, existing or not. Errors: no_match (names the
+/// pattern and the folder).
+Result<std::vector<std::filesystem::path>> expand_pattern(const std::string& pattern,
+                                                          const std::filesystem::path& base);
 
 /// `text` with ${NAME} replaced by environment variables. Errors: variable_unset.
 Result<std::string> expand_environment(const std::string& text);

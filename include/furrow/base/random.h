@@ -3,7 +3,8 @@
 
 namespace furrow::base {
 
-/// Seeded random numbers, the same on every platform (the standard library's distributions are not). PCG32 by O'Neill (2014).
+/// Seeded random numbers, the same on every platform (the standard library's distributions are not). PCG32 by
+/// O'Neill (2014).
 class Random {
  public:
   explicit Random(std::uint64_t seed);
@@ -22,7 +23,8 @@ class Random {
   bool has_spare_ = false;
 };
 
-/// A well-mixed 64-bit hash of an integer (SplitMix64 finaliser): seeds that belong to a shot, a leaf or a pixel.
+/// A well-mixed 64-bit hash of an integer (SplitMix64 finaliser): seeds that belong to a shot, a leaf or a
+/// pixel.
 std::uint64_t mix_bits(std::uint64_t x);
 
 }  // namespace furrow::base

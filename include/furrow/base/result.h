@@ -83,11 +83,12 @@ using base::Status;
 #define FURROW_CONCAT_INNER(a, b) a##b
 #define FURROW_CONCAT(a, b) FURROW_CONCAT_INNER(a, b)
 /// FURROW_TRY(auto x, f()): x becomes f's value, or the enclosing function returns f's error.
-#define FURROW_TRY(declaration, ...) FURROW_TRY_IMPL(FURROW_CONCAT(furrow_result_, __LINE__), declaration, __VA_ARGS__)
-#define FURROW_TRY_IMPL(temporary, declaration, ...)     \
-  auto temporary = (__VA_ARGS__);                        \
-  if (!temporary.ok()) return temporary.error();         \
+#define FURROW_TRY(declaration, ...) \
+  FURROW_TRY_IMPL(FURROW_CONCAT(furrow_result_, __LINE__), declaration, __VA_ARGS__)
+#define FURROW_TRY_IMPL(temporary, declaration, ...) \
+  auto temporary = (__VA_ARGS__);                    \
+  if (!temporary.ok()) return temporary.error();     \
   declaration = std::move(temporary).value()
 /// FURROW_DO(f()): the enclosing function returns f's error, if there is one.
-#define FURROW_DO(...)                                                         \
+#define FURROW_DO(...) \
   if (auto furrow_status = (__VA_ARGS__); !furrow_status.ok()) return furrow_status.error()

@@ -52,8 +52,8 @@ class Value {
   int line = 0;  ///< 1-based line in the file it was read from; 0 when made by a program
 };
 
-/// Parses YAML; `name` stands in error messages. Errors: malformed_yaml (with the line). Anchors are refused, so that no input
-/// grows without bound; so are duplicate keys.
+/// Parses YAML; `name` stands in error messages. Errors: malformed_yaml (with the line). Anchors are refused,
+/// so that no input grows without bound; so are duplicate keys.
 Result<Value> parse_yaml(std::string_view text, const std::string& name);
 Result<Value> read_yaml(const std::filesystem::path& file);
 
@@ -61,7 +61,8 @@ Result<Value> read_yaml(const std::filesystem::path& file);
 Result<Value> parse_json(std::string_view text, const std::string& name);
 Result<Value> read_json(const std::filesystem::path& file);
 
-/// JSON with `indent` blanks a level (-1: one line), members in order, shortest round-trip numbers; NaN and infinities as null.
+/// JSON with `indent` blanks a level (-1: one line), members in order, shortest round-trip numbers; NaN and
+/// infinities as null.
 std::string to_json(const Value& value, int indent = 2);
 
 }  // namespace furrow::base

@@ -12,7 +12,8 @@ namespace furrow::calib {
 
 struct CalibrateOptions {
   camera::CameraModel model = camera::CameraModel::opencv5;
-  /// A view whose own RMS is over this many times the median view's RMS is dropped and the rest solved again; 0 keeps all.
+  /// A view whose own RMS is over this many times the median view's RMS is dropped and the rest solved again;
+  /// 0 keeps all.
   double view_outlier_ratio = 0.0;
   int max_iterations = 200;
 };
@@ -21,9 +22,10 @@ struct CalibrateOptions {
 struct View {
   std::string image;
   bool used = false;
-  double rms_px = 0.0;        ///< root mean square over its corners of the distance in px; NaN when not used
-  double mean_error_px = 0.0; ///< mean distance in px, the thesis's "mean reprojection error"; NaN when not used
-  std::string reason;         ///< why it was not used; empty when it was
+  double rms_px = 0.0;  ///< root mean square over its corners of the distance in px; NaN when not used
+  double mean_error_px =
+      0.0;             ///< mean distance in px, the thesis's "mean reprojection error"; NaN when not used
+  std::string reason;  ///< why it was not used; empty when it was
   Rigid3 cam_from_board;
   std::vector<Eigen::Vector2d> observed_px;
   std::vector<Eigen::Vector2d> residual_px;  ///< observed - projected
@@ -33,21 +35,24 @@ struct View {
 struct Calibration {
   Camera camera;  ///< with covariance
   target::BoardSpec board;
-  std::vector<View> views;     ///< in the order of the detections
-  double rms_px = 0.0;         ///< sqrt(sum of squared distances / corners): OpenCV's definition (mrcal prints this / sqrt 2)
+  std::vector<View> views;  ///< in the order of the detections
+  double rms_px =
+      0.0;  ///< sqrt(sum of squared distances / corners): OpenCV's definition (mrcal prints this / sqrt 2)
   double mean_error_px = 0.0;  ///< mean distance over all corners, the thesis's number
   int corners = 0;
   int iterations = 0;
-  std::string termination;     ///< Ceres' own words
+  std::string termination;  ///< Ceres' own words
   bool usable = false;
 };
 
 /// Solves intrinsics and board poses together (docs/formulation.md). Start values need no guess.
-/// Errors: too_few_boards (fewer than 3 usable), picture_sizes_differ (names two pictures), solve_failed (with the solver's reason).
-Result<Calibration> calibrate(const std::vector<target::BoardDetection>& detections, const target::BoardSpec& board,
-                              const CalibrateOptions& options = {});
+/// Errors: too_few_boards (fewer than 3 usable), picture_sizes_differ (names two pictures), solve_failed
+/// (with the solver's reason).
+Result<Calibration> calibrate(const std::vector<target::BoardDetection>& detections,
+                              const target::BoardSpec& board, const CalibrateOptions& options = {});
 
-/// calibration.json: image_size, model, fx fy cx cy, distortion, rms_px, views[] {image, used, rms_px, reason}, covariance, ...
+/// calibration.json: image_size, model, fx fy cx cy, distortion, rms_px, views[] {image, used, rms_px,
+/// reason}, covariance, ...
 std::string to_json(const Calibration& calibration);
 
 }  // namespace furrow::calib

@@ -4,7 +4,8 @@
 
 namespace furrow::geom {
 
-/// Rigid motion `b_from_a`: x_in_b = rotation * x_in_a + translation. Products cancel by eye: c_from_a = c_from_b * b_from_a.
+/// Rigid motion `b_from_a`: x_in_b = rotation * x_in_a + translation. Products cancel by eye: c_from_a =
+/// c_from_b * b_from_a.
 struct Rigid3 {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< unit quaternion
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();         ///< metres

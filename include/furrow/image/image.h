@@ -9,7 +9,8 @@
 
 namespace furrow::image {
 
-/// 8-bit picture, rows from top to bottom, channels interleaved: 1 = grey, 3 = R G B. Pixel (0, 0) is the centre of the top-left one.
+/// 8-bit picture, rows from top to bottom, channels interleaved: 1 = grey, 3 = R G B. Pixel (0, 0) is the
+/// centre of the top-left one.
 struct Image {
   int width = 0;
   int height = 0;
@@ -28,9 +29,9 @@ struct Image {
 /// Black picture of that size. Sizes must be positive, channels 1 or 3.
 Image make_image(int width, int height, int channels);
 
-/// Reads a picture as RGB (grey becomes three equal channels, alpha is dropped, 16 bit is scaled to 8). The EXIF orientation is NOT
-/// applied: a camera model belongs to the sensor's own pixels.
-/// Errors: file_missing, picture_unreadable (not a picture, or cut short), picture_too_large (over 200 megapixels).
+/// Reads a picture as RGB (grey becomes three equal channels, alpha is dropped, 16 bit is scaled to 8). The
+/// EXIF orientation is NOT applied: a camera model belongs to the sensor's own pixels. Errors: file_missing,
+/// picture_unreadable (not a picture, or cut short), picture_too_large (over 200 megapixels).
 Result<Image> read_image(const std::filesystem::path& file);
 
 /// The same from a file's bytes; `name` stands in messages.

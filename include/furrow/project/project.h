@@ -29,7 +29,8 @@ struct Project {
   double gimbal_roll_sigma_deg = 1.0;
 };
 
-/// Errors: file_*, malformed_yaml, unknown_key (nearest known name and line), project_invalid, no_match, variable_unset.
+/// Errors: file_*, malformed_yaml, unknown_key (nearest known name and line), project_invalid, no_match,
+/// variable_unset.
 Result<Project> read_project(const std::filesystem::path& file);
 
 }  // namespace furrow::project

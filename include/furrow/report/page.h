@@ -17,7 +17,7 @@ struct PageTable {
 
 struct Section {
   std::string title;
-  std::vector<std::string> paragraphs;        ///< plain text
+  std::vector<std::string> paragraphs;  ///< plain text
   std::vector<audit::Finding> findings;
   std::vector<PageTable> tables;
   std::vector<figures::Figure> figures;
@@ -26,13 +26,15 @@ struct Section {
 /// The content of one report, in reading order.
 struct Page {
   std::string title;
-  std::string subtitle;               ///< what was processed, with counts
-  std::vector<std::string> summary;   ///< the answer first: a few sentences
+  std::string subtitle;              ///< what was processed, with counts
+  std::vector<std::string> summary;  ///< the answer first: a few sentences
   std::vector<Section> sections;
-  std::vector<std::pair<std::string, std::string>> provenance;  ///< name, value: version, input hashes, options
+  std::vector<std::pair<std::string, std::string>>
+      provenance;  ///< name, value: version, input hashes, options
 };
 
-/// One self-contained HTML file: figures inline, no script needed to read it, no network. Same page, same bytes.
+/// One self-contained HTML file: figures inline, no script needed to read it, no network. Same page, same
+/// bytes.
 std::string to_html(const Page& page);
 
 }  // namespace furrow::report

@@ -14,9 +14,10 @@ enum class Method {
 
 /// What is known about the shot before looking; each part helps and none is needed.
 struct Priors {
-  std::optional<double> horizon_v_px;        ///< picture row of the horizon at the middle column, from gimbal pitch and intrinsics
+  std::optional<double>
+      horizon_v_px;  ///< picture row of the horizon at the middle column, from gimbal pitch and intrinsics
   double horizon_sigma_px = 40.0;
-  std::optional<double> horizon_slope;       ///< dv/du of the horizon, from the gimbal's roll
+  std::optional<double> horizon_slope;  ///< dv/du of the horizon, from the gimbal's roll
 };
 
 struct DetectOptions {

@@ -11,10 +11,10 @@ namespace furrow::rows {
 
 /// One cut across a row of plants.
 struct RowSample {
-  Eigen::Vector2d centre_px;  ///< middle of the visible row
+  Eigen::Vector2d centre_px;                                   ///< middle of the visible row
   double sigma_px = std::numeric_limits<double>::quiet_NaN();  ///< of the centre, across the row
-  /// Where the visible green begins and ends on the same picture row; NaN when that side is not seen (out of the picture, or grown into
-  /// the neighbour).
+  /// Where the visible green begins and ends on the same picture row; NaN when that side is not seen (out of
+  /// the picture, or grown into the neighbour).
   double left_u_px = std::numeric_limits<double>::quiet_NaN();
   double right_u_px = std::numeric_limits<double>::quiet_NaN();
   double edge_sigma_px = std::numeric_limits<double>::quiet_NaN();
@@ -22,7 +22,8 @@ struct RowSample {
 
 /// One row of plants in a picture.
 struct RowLine {
-  int index = 0;  ///< from left to right; 0 is the followed row: nearest the picture's middle column at its middle row
+  int index = 0;  ///< from left to right; 0 is the followed row: nearest the picture's middle column at its
+                  ///< middle row
   std::vector<RowSample> samples;  ///< from top to bottom, at most 10 px apart
   /// Half the width between the edges where the row crosses the picture's middle row, or nothing.
   std::optional<Estimate> half_width_px;
@@ -32,7 +33,7 @@ struct RowLine {
 
 /// All that was found in one picture.
 struct RowLines {
-  std::string method;  ///< "thesis" or "field"
+  std::string method;         ///< "thesis" or "field"
   int width = 0, height = 0;  ///< of the picture, px
   /// Common point of the rows; nothing when they are parallel in the picture (nadir).
   std::optional<Eigen::Vector2d> vanishing_point_px;
@@ -45,7 +46,8 @@ struct RowLines {
   bool ok() const { return status == "ok"; }
 };
 
-/// u of the row's centre line on picture row `v` (linear between samples, extended by at most 10 px), or nothing.
+/// u of the row's centre line on picture row `v` (linear between samples, extended by at most 10 px), or
+/// nothing.
 std::optional<double> u_at(const RowLine& row, double v);
 
 }  // namespace furrow::rows

@@ -5,18 +5,19 @@
 
 namespace furrow::stats {
 
-/// How two ways of measuring the same thing agree (Bland and Altman, Lancet 1986). Errors are estimate - reference.
+/// How two ways of measuring the same thing agree (Bland and Altman, Lancet 1986). Errors are estimate -
+/// reference.
 struct Agreement {
   int pairs = 0;             ///< pairs in which both were finite
   int left_out = 0;          ///< pairs in which one was not
   double mean_estimate = 0;  ///< mean of the estimates (the thesis's "mean altitude")
   double mean_reference = 0;
-  double mean_error = 0;     ///< bias
-  double sd_error = 0;       ///< sample standard deviation of the errors; NaN below two pairs
+  double mean_error = 0;  ///< bias
+  double sd_error = 0;    ///< sample standard deviation of the errors; NaN below two pairs
   double rmse = 0;
   double mean_abs_error = 0;
   double max_abs_error = 0;
-  double limit_low = 0;      ///< 95 % limits of agreement: bias -+ 1.96 sd
+  double limit_low = 0;  ///< 95 % limits of agreement: bias -+ 1.96 sd
   double limit_high = 0;
 };
 

@@ -4,7 +4,8 @@
 
 namespace furrow::stats {
 
-/// A value, its one-sigma in the same unit, and how many observations carry it. The default says "never estimated".
+/// A value, its one-sigma in the same unit, and how many observations carry it. The default says "never
+/// estimated".
 struct Estimate {
   double value = std::numeric_limits<double>::quiet_NaN();
   double sigma = std::numeric_limits<double>::quiet_NaN();

@@ -3,7 +3,8 @@
 
 namespace furrow::stats {
 
-/// Middle value (mean of the two middle ones for an even count); NaN for none. NaN inputs are left out.
+/// Middle value (mean of the two middle ones for an even count); NaN for none. In this header, inputs that
+/// are not finite are left out.
 double median(std::span<const double> values);
 
 /// 1.4826 x median absolute deviation: equals sigma for Gaussian data. NaN for none.

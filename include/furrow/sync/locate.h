@@ -12,23 +12,26 @@ namespace furrow::sync {
 struct ShotPose {
   std::string shot_id;
   bool located = false;
-  std::string reason;         ///< when not located
-  telemetry::Sample state;    ///< interpolated between log rows; from the picture's metadata where there is no log
+  std::string reason;  ///< when not located
+  telemetry::Sample
+      state;  ///< interpolated between log rows; from the picture's metadata where there is no log
 };
 
 /// How the shots were found in the log.
 struct Located {
-  std::string method;  ///< "picture time", "isPhoto marks", "picture metadata only"
+  std::string method;           ///< "picture time", "isPhoto marks", "picture metadata only"
   std::vector<ShotPose> poses;  ///< one per shot, same order
   std::vector<std::string> warnings;
 };
 
-/// Places shots in a log: by their own UTC time when they have it, else the i-th shot by the i-th isPhoto mark. Without a log the
-/// metadata of each picture is all there is.
-/// Errors: shots_not_locatable (says how many shots, marks and times there are).
-Result<Located> locate_shots(const std::vector<telemetry::Shot>& shots, const std::optional<telemetry::Track>& track);
+/// Places shots in a log: by their own UTC time when they have it, else the i-th shot by the i-th isPhoto
+/// mark. Without a log the metadata of each picture is all there is. Errors: shots_not_locatable (says how
+/// many shots, marks and times there are).
+Result<Located> locate_shots(const std::vector<telemetry::Shot>& shots,
+                             const std::optional<telemetry::Track>& track);
 
-/// State at `t_log_ns`, linear between rows (angles the short way round, flags from the nearer row); nothing outside the log.
+/// State at `t_log_ns`, linear between rows (angles the short way round, flags from the nearer row); nothing
+/// outside the log.
 std::optional<telemetry::Sample> interpolate(const telemetry::Track& track, base::Nanoseconds t_log_ns);
 
 }  // namespace furrow::sync

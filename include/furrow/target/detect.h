@@ -15,7 +15,8 @@ struct BoardDetection {
   bool found = false;
   std::vector<Eigen::Vector2d> corners_px;  ///< order of corners_in_board; empty when not found
   std::vector<double> sigma_px;             ///< one per corner
-  std::string reason;  ///< when not found: "no board of 9x6 inner corners found", "picture unreadable: ...", "byte-identical to ..."
+  std::string reason;  ///< when not found: "no board of 9x6 inner corners found", "picture unreadable: ...",
+                       ///< "byte-identical to ..."
   std::string sha256;  ///< of the file's bytes, to name copies
 };
 

@@ -20,7 +20,8 @@ struct Shot {
   std::vector<std::string> warnings;
 };
 
-/// Reads EXIF and XMP (drone-dji) of a picture. Errors: file_missing, picture_unreadable. A picture without metadata is no error.
+/// Reads EXIF and XMP (drone-dji) of a picture. Errors: file_missing, picture_unreadable. A picture without
+/// metadata is no error.
 Result<Shot> read_shot(const std::filesystem::path& image);
 
 }  // namespace furrow::telemetry

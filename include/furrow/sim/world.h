@@ -1,0 +1,59 @@
+#pragma once
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "furrow/geom/attitude.h"
+#include "furrow/geom/rigid3.h"
+#include "furrow/image/image.h"
+#include "furrow/sim/scene.h"
+
+/// The simulated world without files, for tests and benches that want truth and pictures in memory.
+namespace furrow::sim {
+
+/// Where the camera truly was at one exposure (its middle row, its middle moment).
+struct ShotTruth {
+  std::string shot_id;  ///< "shot-0001", also the stem of the picture
+  double t_log_s = 0.0;
+  Rigid3 cam_from_world;             ///< world: ENU at the take-off point
+  Eigen::Vector3d x_in_world;        ///< camera centre
+  double along_row_m = 0.0;          ///< s
+  double cross_track_m = 0.0;        ///< camera left of the nearest row
+  int nearest_row = 0;               ///< counted to the left from row 0
+  double height_above_ground_m = 0.0;  ///< above the soil straight below
+  double height_above_canopy_m = 0.0;  ///< above the plane of the row tops straight below
+  geom::Attitude attitude;           ///< against the row's direction at s
+  double heading_deg = 0.0;          ///< of the camera, clockwise from north
+};
+
+/// All shots of the flight, in order. The scene must be valid.
+std::vector<ShotTruth> true_shots(const Scene& scene);
+
+/// x_in_world of a point given in row coordinates (s, l, height above the soil there).
+Eigen::Vector3d world_from_row(const Scene& scene, const Eigen::Vector3d& s_l_height);
+
+/// (s, l, height above the soil) of a point of the world.
+Eigen::Vector3d row_from_world(const Scene& scene, const Eigen::Vector3d& x_in_world);
+
+/// Pictures of one scene; keeps what all shots share (ray table, canopy levels).
+class Renderer {
+ public:
+  explicit Renderer(const Scene& scene);
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  /// The picture of shot `index` of true_shots(), before JPEG. Safe to call from several threads at a time.
+  Image shot(std::size_t index) const;
+  /// Picture of board pose `index`, in [0, scene.boards.count).
+  Image board(int index) const;
+
+ private:
+  struct Shared;
+  const Shared* shared_;
+};
+
+/// cam_from_board of every board picture; board: origin at the first inner corner, x along the columns, y along the rows.
+std::vector<Rigid3> true_boards(const Scene& scene);
+
+}  // namespace furrow::sim
