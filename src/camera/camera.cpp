@@ -27,7 +27,7 @@ const ModelEntry& entry(CameraModel model) {
   for (const ModelEntry& e : kModels) {
     if (e.model == model) return e;
   }
-  throw CheckFailure("camera model without an entry");
+  throw base::CheckFailure("camera model without an entry");
 }
 
 /// How near a projection must come to the pixel that was asked for, px.

@@ -14,7 +14,7 @@ Coefficients coefficients(const Camera& camera);
 /// A point of the unit plane after the lens, with its derivatives.
 struct Distorted {
   Eigen::Vector2d xy;
-  Eigen::Matrix2d d_xy;                            ///< by the undistorted point
+  Eigen::Matrix2d d_xy;  ///< by the undistorted point
   Eigen::Matrix<double, 2, kMaxDistortion> d_coefficients;
 };
 

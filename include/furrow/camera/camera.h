@@ -48,22 +48,35 @@ Camera with_intrinsics(Camera camera, const Eigen::VectorXd& values);
 /// the field.
 Status validate(const Camera& camera);
 
-/// Pixel of a point; nothing when the point is not in front of the camera (z <= 0). Docs:
-/// docs/formulation.md, eq. (camera).
+/// Pixel of a point; nothing when the point is not in front of the camera (z <= 0) or has no finite pixel (a
+/// pole of the rational model). Equal to OpenCV's projectPoints and mrcal's mrcal_project
+/// (docs/formulation/camera.md, eq. 1). Beyond the fold of the model (see fold_radius) it returns what the
+/// polynomial says, as those two do.
 std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& x_in_cam);
 
 /// A pixel with its derivatives.
 struct Projection {
   Eigen::Vector2d px;
-  Eigen::Matrix<double, 2, 3> d_point;                    ///< by x_in_cam
-  /// By (fx, fy, cx, cy, distortion...); the storage is inside, so that a solver's inner loop allocates nothing.
+  Eigen::Matrix<double, 2, 3> d_point;  ///< by x_in_cam
+  /// By (fx, fy, cx, cy, distortion...); the storage is inside, so that a solver's inner loop allocates
+  /// nothing.
   Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMaxIntrinsics> d_intrinsics;
 };
 std::optional<Projection> project_with_jacobians(const Camera& camera, const Eigen::Vector3d& x_in_cam);
 
+/// Radius on the unit plane beyond which the radial distortion stops growing, so that two points share a
+/// pixel; nothing when the model grows for ever. The tangential and prism terms are left out here;
+/// unproject() counts them in.
+std::optional<double> fold_radius(const Camera& camera);
+
 /// Point (x, y) on the unit plane z = 1 that projects to `px`, converged to 1e-9 px by Newton's method from
-/// the nearest start; nothing where the model has no inverse (beyond the fold of a polynomial).
+/// the radial inverse; nothing where the model has no inverse: beyond the fold, or at a point whose way from
+/// the axis crosses one.
 std::optional<Eigen::Vector2d> unproject(const Camera& camera, const Eigen::Vector2d& px);
+
+/// unproject() for many pixels: the fold is found once.
+std::vector<std::optional<Eigen::Vector2d>> unproject_all(const Camera& camera,
+                                                          const std::vector<Eigen::Vector2d>& px);
 
 /// d(unit plane) / d(px) at an unprojected point: the inverse of the 2x2 projection Jacobian.
 std::optional<Eigen::Matrix2d> unproject_jacobian(const Camera& camera, const Eigen::Vector2d& on_unit_plane);
