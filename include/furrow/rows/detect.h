@@ -4,6 +4,7 @@
 
 #include "furrow/image/image.h"
 #include "furrow/rows/row_lines.h"
+#include "furrow/rows/thesis.h"
 
 namespace furrow::rows {
 
@@ -23,6 +24,9 @@ struct Priors {
 struct DetectOptions {
   Method method = Method::field;
   Priors priors;
+  ThesisOptions thesis;  ///< read by Method::thesis only
+  /// Step between the samples of a row, px of the picture; 10 at most.
+  double sample_step_px = 10.0;
 };
 
 /// Finds the rows of a picture. Never fails: a picture without rows has a status that says so.

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "furrow/rows/planar_field.h"
 #include "furrow/stats/estimate.h"
 
 namespace furrow::rows {
@@ -18,6 +19,8 @@ struct RowSample {
   double left_u_px = std::numeric_limits<double>::quiet_NaN();
   double right_u_px = std::numeric_limits<double>::quiet_NaN();
   double edge_sigma_px = std::numeric_limits<double>::quiet_NaN();
+  /// False where only the common field model carries the row: outside the picture, or nothing green near it.
+  bool seen = true;
 };
 
 /// One row of plants in a picture.
@@ -42,6 +45,8 @@ struct RowLines {
   double confidence = 0.0;
   std::string status = "not run";  ///< "ok", or a code: "no_rows", "picture_unreadable", ...
   std::string reason;              ///< a sentence when status is not "ok"
+  /// The common model of all rows, px of the picture (method "field" only).
+  std::optional<PlanarField> field;
 
   bool ok() const { return status == "ok"; }
 };

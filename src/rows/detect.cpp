@@ -1,0 +1,65 @@
+#include "furrow/rows/detect.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rows/index_rows.h"
+
+namespace furrow::rows {
+
+std::vector<double> sample_rows(int height, double step_px) {
+  const double last = std::max(height - 1, 0);
+  const int intervals = std::max(1, static_cast<int>(std::ceil(last / std::clamp(step_px, 0.5, 10.0))));
+  std::vector<double> rows;
+  rows.reserve(static_cast<std::size_t>(intervals) + 1);
+  for (int i = 0; i <= intervals; ++i) rows.push_back(last * i / intervals);
+  return rows;
+}
+
+std::optional<double> u_at(const RowLine& row, double v) {
+  constexpr double kReachPx = 10.0;  // extension past the first and last sample (row_lines.h)
+  const auto& samples = row.samples;
+  if (samples.empty() || !std::isfinite(v)) return std::nullopt;
+  if (v < samples.front().centre_px.y() - kReachPx || v > samples.back().centre_px.y() + kReachPx)
+    return std::nullopt;
+  if (samples.size() == 1) return samples.front().centre_px.x();
+  auto upper = std::lower_bound(samples.begin(), samples.end(), v,
+                                [](const RowSample& sample, double at) { return sample.centre_px.y() < at; });
+  if (upper == samples.begin()) ++upper;
+  if (upper == samples.end()) --upper;
+  const Eigen::Vector2d a = (upper - 1)->centre_px, b = upper->centre_px;
+  return a.x() + (b.x() - a.x()) * (v - a.y()) / (b.y() - a.y());
+}
+
+namespace {
+double u_nearest(const RowLine& row, double v) {
+  const auto nearest =
+      std::min_element(row.samples.begin(), row.samples.end(), [&](const RowSample& a, const RowSample& b) {
+        return std::abs(a.centre_px.y() - v) < std::abs(b.centre_px.y() - v);
+      });
+  return nearest->centre_px.x();
+}
+}  // namespace
+
+void index_rows(RowLines& lines) {
+  if (lines.rows.empty()) return;
+  const double u_middle = 0.5 * (lines.width - 1), v_middle = 0.5 * (lines.height - 1);
+  const auto place = [&](const RowLine& row) {
+    return u_at(row, v_middle).value_or(u_nearest(row, v_middle));
+  };
+  std::stable_sort(lines.rows.begin(), lines.rows.end(),
+                   [&](const RowLine& a, const RowLine& b) { return place(a) < place(b); });
+  const auto followed =
+      std::min_element(lines.rows.begin(), lines.rows.end(), [&](const RowLine& a, const RowLine& b) {
+        return std::abs(place(a) - u_middle) < std::abs(place(b) - u_middle);
+      });
+  const int zero = static_cast<int>(followed - lines.rows.begin());
+  for (int i = 0; i < static_cast<int>(lines.rows.size()); ++i)
+    lines.rows[static_cast<std::size_t>(i)].index = i - zero;
+}
+
+RowLines detect(const Image& picture, const DetectOptions& options) {
+  return detect_thesis(picture, options.thesis);
+}
+
+}  // namespace furrow::rows

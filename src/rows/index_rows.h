@@ -1,0 +1,15 @@
+#pragma once
+#include <vector>
+
+#include "furrow/rows/row_lines.h"
+
+namespace furrow::rows {
+
+/// Picture rows from the first to the last, both included, evenly spaced at most `step_px` apart.
+std::vector<double> sample_rows(int height, double step_px);
+
+/// Orders rows from left to right on the picture's middle row and gives index 0 to the one nearest the middle
+/// column there. Rows that do not reach the middle row are placed by their nearest sample.
+void index_rows(RowLines& lines);
+
+}  // namespace furrow::rows
