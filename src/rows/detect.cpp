@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rows/detect_field.h"
 #include "rows/index_rows.h"
 
 namespace furrow::rows {
@@ -59,7 +60,8 @@ void index_rows(RowLines& lines) {
 }
 
 RowLines detect(const Image& picture, const DetectOptions& options) {
-  return detect_thesis(picture, options.thesis);
+  return options.method == Method::thesis ? detect_thesis(picture, options.thesis)
+                                          : detect_field(picture, options);
 }
 
 }  // namespace furrow::rows

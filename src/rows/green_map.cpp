@@ -1,0 +1,49 @@
+#include "rows/green_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace furrow::rows {
+namespace {
+
+/// Added to R + G + B so that the noise of nearly black pixels is not blown up: ten grey levels a channel,
+/// about the noise and chroma error of a small JPEG.
+constexpr float kDarkLevel = 30.0F;
+
+cv::Mat reduced(const Image& picture, int width, int height) {
+  const cv::Mat full(picture.height, picture.width, CV_8UC(picture.channels),
+                     const_cast<std::uint8_t*>(picture.data.data()));
+  if (width == picture.width && height == picture.height) return full;
+  cv::Mat small;
+  cv::resize(full, small, {width, height}, 0, 0, cv::INTER_AREA);
+  return small;
+}
+
+}  // namespace
+
+GreenMap green_map(const Image& picture, double most_pixels) {
+  const double pixels = static_cast<double>(picture.width) * picture.height;
+  const double shrink = std::min(1.0, std::sqrt(most_pixels / pixels));
+  GreenMap map;
+  map.width = std::max(1, static_cast<int>(std::lround(picture.width * shrink)));
+  map.height = std::max(1, static_cast<int>(std::lround(picture.height * shrink)));
+  map.scale_u = static_cast<double>(picture.width) / map.width;
+  map.scale_v = static_cast<double>(picture.height) / map.height;
+  map.value.assign(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height), 0.0F);
+  if (picture.channels != 3) return map;
+  const cv::Mat small = reduced(picture, map.width, map.height);
+  for (int v = 0; v < map.height; ++v) {
+    const std::uint8_t* in = small.ptr<std::uint8_t>(v);
+    float* out = map.value.data() + static_cast<std::ptrdiff_t>(v) * map.width;
+    for (int u = 0; u < map.width; ++u, in += 3) {
+      const int red = in[0], green = in[1], blue = in[2];
+      out[u] =
+          static_cast<float>(2 * green - red - blue) / (static_cast<float>(red + green + blue) + kDarkLevel);
+    }
+  }
+  return map;
+}
+
+}  // namespace furrow::rows

@@ -1,0 +1,24 @@
+#pragma once
+#include <vector>
+
+#include "furrow/image/image.h"
+
+namespace furrow::rows {
+
+/// How green a picture is, at a reduced size: chromatic excess green (2 G - R - B) / (R + G + B) (Woebbecke
+/// et al. 1995), which light and shadow change little.
+struct GreenMap {
+  int width = 0, height = 0;
+  double scale_u = 1.0, scale_v = 1.0;  ///< px of the picture per px of the map
+  std::vector<float> value;             ///< width * height
+
+  const float* row(int v) const { return value.data() + static_cast<std::ptrdiff_t>(v) * width; }
+  /// Pixel (0, 0) is a pixel's centre in both.
+  double u_in_picture(double u) const { return (u + 0.5) * scale_u - 0.5; }
+  double v_in_picture(double v) const { return (v + 0.5) * scale_v - 0.5; }
+};
+
+/// Area-averaged to at most `most_pixels`, never enlarged, same shape within half a pixel.
+GreenMap green_map(const Image& picture, double most_pixels);
+
+}  // namespace furrow::rows
