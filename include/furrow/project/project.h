@@ -5,12 +5,18 @@
 #include <vector>
 
 #include "furrow/altitude/field_knowledge.h"
-#include "furrow/base/progress.h"
 #include "furrow/base/result.h"
 #include "furrow/camera/camera.h"
 #include "furrow/rows/detect.h"
 
 namespace furrow::project {
+
+/// One-sigmas that stand in where the project file gives a farm number without one, as shares of the number:
+/// a planting machine holds its spacing to about 2 %, a canopy's width and height vary more.
+inline constexpr double kDefaultSpacingSigmaShare = 0.02;
+inline constexpr double kDefaultHalfWidthSigmaShare = 0.15;
+inline constexpr double kDefaultRowHeightSigmaShare = 0.05;
+inline constexpr double kDefaultFoliageDepthSigmaShare = 0.25;
 
 /// project.yaml, read and checked; paths are resolved against its folder.
 struct Project {
@@ -21,16 +27,21 @@ struct Project {
   std::vector<std::filesystem::path> board_images;
   std::filesystem::path board_file;
   camera::CameraModel calibrate_model = camera::CameraModel::opencv5;
+  bool calibrate_aspect = false;  ///< the board's squares may not be square (a board on a monitor): solve
+                                  ///< their aspect, pixels square
+
   std::vector<std::filesystem::path> images;
   std::optional<std::filesystem::path> telemetry;
+  double gimbal_pitch_sigma_deg = 1.0;  ///< how far the gimbal's pitch may be off, one sigma
+  double gimbal_roll_sigma_deg = 1.0;   ///< the same for its roll
+
   rows::Method rows_method = rows::Method::field;
   altitude::FieldKnowledge field;
-  double gimbal_pitch_sigma_deg = 1.0;  ///< how far the log's gimbal pitch may be off
-  double gimbal_roll_sigma_deg = 1.0;
 };
 
-/// Errors: file_*, malformed_yaml, unknown_key (nearest known name and line), project_invalid, no_match,
-/// variable_unset.
+/// Reads and checks a project file. `${NAME}` in a path is an environment variable; FURROW_DATA defaults to
+/// ../shared/data beside the folder that holds `projects/`. Errors: file_*, malformed_yaml, unknown_key
+/// (nearest known name and line), missing_key, bad_value, no_match, variable_unset.
 Result<Project> read_project(const std::filesystem::path& file);
 
 }  // namespace furrow::project

@@ -1,0 +1,89 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "furrow/audit/finding.h"
+#include "furrow/audit/shot_record.h"
+#include "furrow/base/progress.h"
+#include "furrow/base/value.h"
+#include "furrow/calib/calibrate.h"
+#include "furrow/project/project.h"
+#include "furrow/rows/detect.h"
+
+/// The jobs behind the commands: each reads files, calls the modules below and writes a folder of results.
+namespace furrow::project {
+
+struct JobOptions {
+  int threads = 0;  ///< 0: one per core
+  base::Progress progress;
+};
+
+/// What `furrow calibrate` did.
+struct CalibrateOutcome {
+  calib::Calibration calibration;
+  std::vector<audit::Finding> findings;
+  std::vector<std::string> files;  ///< written, relative to the output folder
+};
+
+/// Boards in pictures -> camera.cameramodel, camera.yaml, calibration.json, report.html, figures/ in `out`.
+/// Errors: those of read_board, calibrate and file writing.
+Result<CalibrateOutcome> calibrate_job(const std::vector<std::filesystem::path>& images,
+                                       const std::filesystem::path& board_file,
+                                       const calib::CalibrateOptions& options,
+                                       const std::filesystem::path& out, const JobOptions& job = {});
+
+/// Rows of one picture, for rows.json.
+struct RowsOfImage {
+  std::string image;
+  rows::RowLines lines;
+  double elapsed_ms = 0.0;  ///< of the detection alone
+};
+
+/// The document of rows.json (docs/cli.md names its members).
+base::Value rows_document(const std::vector<RowsOfImage>& images);
+
+struct RowsJobOptions {
+  rows::DetectOptions detect;
+  bool overlays = true;  ///< write overlays/<image>.png
+  /// Folder for the pictures of each step of the thesis method; nothing writes none.
+  std::optional<std::filesystem::path> steps;
+};
+
+/// Pictures -> rows.json and overlays in `out`. A picture that cannot be read has a status and the rest goes
+/// on.
+Result<std::vector<RowsOfImage>> rows_job(const std::vector<std::filesystem::path>& images,
+                                          const std::filesystem::path& out,
+                                          const RowsJobOptions& options = {}, const JobOptions& job = {});
+
+/// What `furrow run` did.
+struct RunOutcome {
+  std::vector<audit::ShotRecord> records;
+  std::vector<audit::Finding> findings;
+  std::filesystem::path report;
+};
+
+/// A project -> shots.csv, rows.json, report.html, figures/, manifest.json (and calibration/ when it
+/// calibrates) in `out`. A shot that fails has a status in shots.csv and the flight goes on. `truth` is a
+/// simulated flight's truth.csv: it is read when all estimates are made and only compared with them.
+Result<RunOutcome> run_job(const Project& project, const std::filesystem::path& out,
+                           const JobOptions& job = {},
+                           const std::optional<std::filesystem::path>& truth = {});
+
+/// How one way of measuring the height agrees with the truth of a simulated flight.
+struct TruthComparison {
+  std::string method;  ///< "thesis formula", "row spacing, closed form", "refined"
+  int shots = 0;
+  double mean_error_m = 0.0, sd_error_m = 0.0, rmse_m = 0.0;
+  double rmse_share = 0.0;  ///< RMS of error / true height above the canopy
+};
+
+/// One line per method; empty when no record has a truth.
+std::vector<TruthComparison> compare_with_truth(const std::vector<audit::ShotRecord>& records);
+
+/// Renders the demo's world into `out`/input, runs the chain on pictures and log alone into `out`, and
+/// compares.
+Result<RunOutcome> demo_job(const std::filesystem::path& out, const JobOptions& job = {});
+
+}  // namespace furrow::project

@@ -1,0 +1,88 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "cli/commands.h"
+#include "cli/terminal.h"
+#include "furrow/base/text.h"
+#include "furrow/project/jobs.h"
+
+namespace furrow::cli {
+namespace {
+
+struct Arguments {
+  std::string target;
+  std::string out;
+  std::string model = "opencv5";
+  std::vector<std::string> images;
+  int threads = 0;
+  bool json = false;
+};
+
+void print_camera(const project::CalibrateOutcome& outcome, const std::string& out) {
+  const Camera& camera = outcome.calibration.camera;
+  base::CsvTable table;
+  table.columns = {"parameter", "value", "sigma"};
+  const char* names[] = {"fx_px", "fy_px", "cx_px", "cy_px"};
+  const double values[] = {camera.fx, camera.fy, camera.cx, camera.cy};
+  for (int i = 0; i < 4; ++i) {
+    const bool known = camera.covariance.rows() > i;
+    table.rows.push_back({names[i], base::format_fixed(values[i], 3),
+                          known ? base::format_fixed(std::sqrt(camera.covariance(i, i)), 3) : ""});
+  }
+  table.rows.push_back({"rms_px", base::format_fixed(outcome.calibration.rms_px, 4), ""});
+  print_table(table);
+  std::printf("report: %s/report.html\n", out.c_str());
+}
+
+base::Value json_of(const project::CalibrateOutcome& outcome, const std::string& out) {
+  const Camera& camera = outcome.calibration.camera;
+  base::Value value;
+  value.set("out", out);
+  value.set("model", camera::model_name(camera.model));
+  value.set("fx", camera.fx);
+  value.set("fy", camera.fy);
+  value.set("cx", camera.cx);
+  value.set("cy", camera.cy);
+  value.set("rms_px", outcome.calibration.rms_px);
+  value.set("findings", findings_value(outcome.findings));
+  return value;
+}
+
+int calibrate(const Arguments& arguments) {
+  const auto model = camera::model_from_name(arguments.model);
+  if (!model) {
+    return fail({"bad_option", "--model", "'" + arguments.model + "'",
+                 "pinhole, opencv4, opencv5, opencv8 or opencv12", ""});
+  }
+  calib::CalibrateOptions options;
+  options.model = *model;
+  project::JobOptions job{arguments.threads, progress_on_stderr()};
+  const std::vector<std::filesystem::path> images(arguments.images.begin(), arguments.images.end());
+  const auto outcome = project::calibrate_job(images, arguments.target, options, arguments.out, job);
+  if (!outcome.ok()) return fail(outcome.error());
+  if (arguments.json) {
+    print_json(json_of(*outcome, arguments.out));
+  } else {
+    print_camera(*outcome, arguments.out);
+  }
+  return print_findings(outcome->findings);
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand("calibrate", "Calibrate a camera from pictures of a checkerboard");
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("images", arguments->images, "pictures of the board")->required();
+  command->add_option("--target", arguments->target, "board.yaml: type, corners, square_m")->required();
+  command->add_option("--out", arguments->out, "folder for the results")->required();
+  command->add_option("--model", arguments->model, "pinhole, opencv4, opencv5, opencv8 or opencv12")
+      ->capture_default_str();
+  command->add_option("--threads", arguments->threads, "0: one per core")->check(CLI::NonNegativeNumber);
+  command->add_flag("--json", arguments->json, "print JSON");
+  command->footer(
+      "Example: furrow calibrate --target calib_targets/opencv-9x6-25mm.yaml --out out/cam boards/*.jpg");
+  command->callback([&action, arguments] { action = [arguments] { return calibrate(*arguments); }; });
+}
+
+}  // namespace furrow::cli

@@ -1,0 +1,42 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "cli/commands.h"
+
+namespace {
+
+int run(int argc, char** argv) {
+  CLI::App app{"Calibration and photogrammetry for drones that fly over row crops"};
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 done; 1 done, but a finding failed; 2 bad usage or bad input; 3 an internal fault.\n"
+      "Try: furrow demo out/demo");
+  furrow::cli::Action action;
+  furrow::cli::add_demo(app, action);
+  furrow::cli::add_simulate(app, action);
+  furrow::cli::add_calibrate(app, action);
+  furrow::cli::add_rows(app, action);
+  furrow::cli::add_run(app, action);
+  furrow::cli::add_version(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& problem) {
+    return app.exit(problem) == 0 ? furrow::cli::kDone : furrow::cli::kBadInput;
+  }
+  return action();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    std::fputs("furrow: out of memory\n", stderr);
+  } catch (const std::exception& problem) {
+    std::fprintf(stderr, "furrow: internal fault: %s\n", problem.what());
+  }
+  return furrow::cli::kInternalFault;
+}

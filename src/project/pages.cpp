@@ -1,0 +1,229 @@
+#include "project/pages.h"
+
+#include <cmath>
+
+#include "furrow/base/text.h"
+#include "furrow/base/version.h"
+#include "furrow/geom/angles.h"
+#include "furrow/stats/agreement.h"
+
+namespace furrow::project {
+namespace {
+
+using base::format_fixed;
+
+std::string with_sigma(double value, double sigma, int decimals) {
+  return format_fixed(value, decimals) +
+         (std::isfinite(sigma) ? " \u00b1 " + format_fixed(sigma, decimals) : "");
+}
+
+std::string size_text(const Camera& camera) {
+  return std::to_string(camera.width) + "x" + std::to_string(camera.height);
+}
+
+report::PageTable camera_table(const Camera& camera) {
+  static const std::vector<std::string> kNames = {"fx / px", "fy / px", "cx / px", "cy / px", "k1", "k2",
+                                                  "p1",      "p2",      "k3",      "k4",      "k5", "k6",
+                                                  "s1",      "s2",      "s3",      "s4"};
+  report::PageTable table;
+  table.caption = "Intrinsics (" + camera::model_name(camera.model) + ") at " + size_text(camera) +
+                  " px; \u00b1 is one sigma";
+  table.cells.columns = {"parameter", "value"};
+  const Eigen::VectorXd values = camera::intrinsics(camera);
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    const bool known = camera.covariance.rows() == values.size();
+    const double sigma = known ? std::sqrt(camera.covariance(i, i)) : std::nan("");
+    table.cells.rows.push_back(
+        {kNames[static_cast<std::size_t>(i)], with_sigma(values[i], sigma, i < 4 ? 2 : 5)});
+  }
+  return table;
+}
+
+report::PageTable view_table(const calib::Calibration& calibration) {
+  report::PageTable table;
+  table.caption = "Pictures of the board";
+  table.collapsed = calibration.views.size() > 20;
+  table.cells.columns = {"picture", "used", "RMS / px", "mean error / px", "why not"};
+  for (const calib::View& view : calibration.views) {
+    table.cells.rows.push_back({view.image, view.used ? "yes" : "no",
+                                view.used ? format_fixed(view.rms_px, 3) : "",
+                                view.used ? format_fixed(view.mean_error_px, 3) : "", view.reason});
+  }
+  return table;
+}
+
+report::PageTable truth_table(const std::vector<TruthComparison>& comparison) {
+  report::PageTable table;
+  table.caption = "Height above the canopy against the truth of the simulation (estimate - truth)";
+  table.cells.columns = {"method", "shots", "mean error / m", "sd / m", "RMSE / m", "RMSE / % of height"};
+  for (const TruthComparison& line : comparison) {
+    table.cells.rows.push_back({line.method, std::to_string(line.shots), format_fixed(line.mean_error_m, 3),
+                                format_fixed(line.sd_error_m, 3), format_fixed(line.rmse_m, 3),
+                                format_fixed(100.0 * line.rmse_share, 2)});
+  }
+  return table;
+}
+
+/// Columns of shots.csv that a person reads, with fewer digits.
+report::PageTable shot_table(const std::vector<audit::ShotRecord>& records) {
+  const auto number = [](double value, int decimals) {
+    return std::isfinite(value) ? format_fixed(value, decimals) : std::string();
+  };
+  const auto estimate = [](const Estimate& e, int decimals) {
+    return std::isfinite(e.value) ? with_sigma(e.value, e.sigma, decimals) : std::string();
+  };
+  report::PageTable table;
+  table.caption = "Every shot; \u00b1 is one sigma; shots.csv has all columns";
+  table.collapsed = records.size() > 12;
+  table.cells.columns = {"shot",
+                         "log height above take-off / m",
+                         "VPS / m",
+                         "log pitch / deg",
+                         "pitch / deg",
+                         "above canopy, thesis / m",
+                         "above canopy, spacing / m",
+                         "above canopy, refined / m",
+                         "above ground, refined / m",
+                         "cross-track / m",
+                         "heading error / deg",
+                         "rows",
+                         "status"};
+  for (const auto& r : records) {
+    table.cells.rows.push_back({r.shot_id, number(r.height_takeoff_m, 1), number(r.height_vps_m, 1),
+                                number(r.pitch_log_deg, 1), estimate(r.pitch_deg, 2),
+                                number(r.above_canopy_thesis_m.value, 2),
+                                estimate(r.above_canopy_spacing_m, 2), estimate(r.above_canopy_refined_m, 2),
+                                estimate(r.above_ground_refined_m, 2), estimate(r.cross_track_m, 2),
+                                estimate(r.heading_error_deg, 2), std::to_string(r.rows_used),
+                                r.status == "ok" ? "ok" : r.status + ": " + r.reason});
+  }
+  return table;
+}
+
+std::vector<std::string> run_summary(const RunContent& content,
+                                     const std::vector<TruthComparison>& comparison) {
+  std::vector<double> heights;
+  std::vector<double> sigmas;
+  for (const auto& record : content.records) {
+    if (!record.above_canopy_refined_m.usable()) continue;
+    heights.push_back(record.above_canopy_refined_m.value);
+    sigmas.push_back(record.above_canopy_refined_m.sigma);
+  }
+  std::vector<std::string> words;
+  words.push_back(std::to_string(heights.size()) + " of " + std::to_string(content.records.size()) +
+                  " shots have a height above the canopy measured from their rows.");
+  if (!heights.empty()) {
+    double low = heights[0];
+    double high = heights[0];
+    double sum = 0.0;
+    for (std::size_t i = 0; i < heights.size(); ++i) {
+      low = std::min(low, heights[i]);
+      high = std::max(high, heights[i]);
+      sum += sigmas[i];
+    }
+    words.push_back("Heights run from " + format_fixed(low, 2) + " to " + format_fixed(high, 2) +
+                    " m, with a mean sigma of " + format_fixed(sum / static_cast<double>(sigmas.size()), 2) +
+                    " m.");
+  }
+  for (const TruthComparison& line : comparison) {
+    words.push_back("Against the truth of the simulation the " + line.method + " errs by " +
+                    format_fixed(line.rmse_m, 3) + " m RMS (" + format_fixed(100.0 * line.rmse_share, 1) +
+                    " % of the height) over " + std::to_string(line.shots) + " shots.");
+  }
+  for (const auto& finding : content.findings) {
+    if (finding.verdict == audit::Verdict::fail)
+      words.push_back("Failed: " + finding.title + ": " + finding.value + ", " + finding.limit + ".");
+  }
+  return words;
+}
+
+}  // namespace
+
+Result<std::vector<figures::Figure>> calibration_figures(const calib::Calibration& calibration) {
+  std::vector<figures::Figure> made;
+  FURROW_TRY(made.emplace_back(), figures::reprojection_bars(calibration));
+  FURROW_TRY(made.emplace_back(), figures::board_poses(calibration));
+  return made;
+}
+
+report::Section calibration_section(const calib::Calibration& calibration,
+                                    const std::vector<audit::Finding>& findings,
+                                    std::vector<figures::Figure> made) {
+  report::Section section;
+  section.title = "Calibration";
+  const auto& board = calibration.board;
+  section.paragraphs = {
+      "Board " + board.name + ": " + std::to_string(board.corners_x) + " x " +
+          std::to_string(board.corners_y) + " inner corners, squares of " +
+          format_fixed(1000.0 * board.square_m, 2) + " mm" +
+          (board.aspect == 1.0 ? "" : ", height / width " + format_fixed(board.aspect, 4)) + ".",
+      "RMS is over the distances of all corners in both directions (OpenCV's definition; mrcal prints this "
+      "divided by "
+      "the square root of 2). Solver: " +
+          calibration.termination + " after " + std::to_string(calibration.iterations) + " iterations."};
+  section.findings = findings;
+  section.tables = {camera_table(calibration.camera), view_table(calibration)};
+  section.figures = std::move(made);
+  return section;
+}
+
+report::Page calibration_page(const calib::Calibration& calibration, report::Section section) {
+  std::size_t used = 0;
+  for (const auto& view : calibration.views) used += view.used ? 1 : 0;
+  const Camera& camera = calibration.camera;
+  report::Page page;
+  page.title = "Camera calibration";
+  page.subtitle = std::to_string(used) + " of " + std::to_string(calibration.views.size()) + " pictures, " +
+                  std::to_string(calibration.corners) + " corners, " + size_text(camera) + " px";
+  page.summary = {"Focal length fx " + format_fixed(camera.fx, 2) + ", fy " + format_fixed(camera.fy, 2) +
+                      " px; principal point (" + format_fixed(camera.cx, 2) + ", " +
+                      format_fixed(camera.cy, 2) + ") px.",
+                  "Reprojection error " + format_fixed(calibration.rms_px, 3) + " px RMS, " +
+                      format_fixed(calibration.mean_error_px, 3) + " px mean distance."};
+  page.sections.push_back(std::move(section));
+  page.provenance = {{"program", "furrow " + base::version()}, {"command", "calibrate"}};
+  return page;
+}
+
+report::Page run_page(RunContent content) {
+  const auto comparison = compare_with_truth(content.records);
+  report::Page page;
+  page.title = content.project.name;
+  page.subtitle =
+      "Height above the crop from row geometry, " + std::to_string(content.records.size()) + " shots";
+  page.summary = run_summary(content, comparison);
+
+  report::Section heights;
+  heights.title = "Heights";
+  heights.findings = content.findings;
+  if (!comparison.empty()) heights.tables.push_back(truth_table(comparison));
+  heights.figures = std::move(content.flight_figures);
+  heights.tables.push_back(shot_table(content.records));
+  page.sections.push_back(std::move(heights));
+
+  report::Section rows;
+  rows.title = "Rows";
+  rows.paragraphs = {
+      "Rows as they were found in pictures spread over the flight; rows.json has all of them."};
+  rows.figures = std::move(content.overlays);
+  page.sections.push_back(std::move(rows));
+
+  report::Section camera;
+  camera.title = "Camera";
+  camera.paragraphs = std::move(content.camera_words);
+  if (content.calibration.empty()) camera.tables.push_back(camera_table(content.camera));
+  page.sections.push_back(std::move(camera));
+  for (auto& section : content.calibration) page.sections.push_back(std::move(section));
+
+  report::Section log;
+  log.title = "Log";
+  log.paragraphs = std::move(content.log_words);
+  page.sections.push_back(std::move(log));
+  page.provenance = {{"program", "furrow " + base::version()},
+                     {"command", "run"},
+                     {"project", content.project.file.filename().string()},
+                     {"input and output hashes", "manifest.json"}};
+  return page;
+}
+
+}  // namespace furrow::project

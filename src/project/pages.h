@@ -1,0 +1,36 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "furrow/calib/calibrate.h"
+#include "furrow/project/jobs.h"
+#include "furrow/report/page.h"
+
+namespace furrow::project {
+
+/// Figures of a calibration: error bars per view and board poses.
+Result<std::vector<figures::Figure>> calibration_figures(const calib::Calibration& calibration);
+
+/// "Calibration" as a section: findings, parameters with sigma, views, figures.
+report::Section calibration_section(const calib::Calibration& calibration,
+                                    const std::vector<audit::Finding>& findings,
+                                    std::vector<figures::Figure> figures);
+
+/// The page of `furrow calibrate`.
+report::Page calibration_page(const calib::Calibration& calibration, report::Section section);
+
+/// All that the page of `furrow run` shows.
+struct RunContent {
+  const Project& project;
+  const std::vector<audit::ShotRecord>& records;
+  const std::vector<audit::Finding>& findings;
+  const Camera& camera;
+  std::vector<std::string> camera_words;     ///< what was calibrated at which size, how it was carried
+  std::vector<std::string> log_words;        ///< which log, how the shots were found in it, warnings
+  std::vector<report::Section> calibration;  ///< none or one
+  std::vector<figures::Figure> flight_figures;
+  std::vector<figures::Figure> overlays;
+};
+report::Page run_page(RunContent content);
+
+}  // namespace furrow::project

@@ -1,0 +1,313 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+
+#include "furrow/base/file.h"
+#include "furrow/base/parallel.h"
+#include "furrow/base/text.h"
+#include "furrow/camera/model_files.h"
+#include "furrow/figures/figures.h"
+#include "furrow/image/image.h"
+#include "furrow/project/jobs.h"
+#include "furrow/report/page.h"
+#include "furrow/stats/agreement.h"
+#include "project/calibration_outputs.h"
+#include "project/manifest.h"
+#include "project/pages.h"
+#include "project/shot_chain.h"
+
+namespace furrow::project {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Overlays in the report: enough to judge the detection over the flight, few enough to read.
+constexpr std::size_t kReportOverlays = 4;
+
+/// The camera of a run and, when it was calibrated here, the calibration.
+struct RunCamera {
+  Camera camera;
+  std::optional<calib::Calibration> calibration;
+};
+
+Result<RunCamera> prepare_camera(const Project& project, const JobOptions& job) {
+  RunCamera result;
+  if (project.board_images.empty()) {
+    FURROW_TRY(result.camera, camera::read_camera(project.camera_model));
+    return result;
+  }
+  calib::CalibrateOptions options;
+  options.model = project.calibrate_model;
+  FURROW_TRY(result.calibration,
+             calibrate_from_pictures(project.board_images, project.board_file, options, job));
+  result.camera = result.calibration->camera;
+  return result;
+}
+
+/// Shots in the project's order. An unreadable picture stays in, so that the i-th picture keeps its place
+/// among the log's marks.
+std::vector<telemetry::Shot> read_shots(const Project& project, const JobOptions& job) {
+  std::vector<telemetry::Shot> shots(project.images.size());
+  std::mutex mutex;
+  std::size_t done = 0;
+  base::parallel_for(shots.size(), job.threads, [&](std::size_t i) {
+    auto shot = telemetry::read_shot(project.images[i]);
+    if (shot.ok()) {
+      shots[i] = std::move(*shot);
+    } else {
+      shots[i].image = project.images[i];
+      shots[i].warnings.push_back(shot.error().message());
+    }
+    const std::lock_guard lock(mutex);
+    base::report(job.progress, "reading metadata", ++done, shots.size());
+  });
+  std::map<std::string, int> seen;
+  for (telemetry::Shot& shot : shots) ++seen[shot.image.stem().string()];
+  for (telemetry::Shot& shot : shots) {
+    const std::string stem = shot.image.stem().string();
+    shot.shot_id = seen[stem] > 1 ? shot.image.parent_path().filename().string() + "/" + stem : stem;
+  }
+  return shots;
+}
+
+std::vector<ShotResult> process_shots(const std::vector<telemetry::Shot>& shots, const sync::Located& located,
+                                      const Camera& camera, const Project& project, const JobOptions& job) {
+  std::vector<ShotResult> results(shots.size());
+  std::mutex mutex;
+  std::size_t done = 0;
+  base::parallel_for(shots.size(), job.threads, [&](std::size_t i) {
+    results[i] = process_shot(shots[i], located.poses[i], camera, project);
+    const std::lock_guard lock(mutex);
+    base::report(job.progress, "measuring shots", ++done, shots.size());
+  });
+  return results;
+}
+
+/// Puts a simulated flight's true heights beside the finished estimates.
+Status join_truth(std::vector<audit::ShotRecord>& records, const fs::path& truth) {
+  FURROW_TRY(const base::CsvTable table, base::read_csv(truth));
+  const auto id = table.column("shot_id");
+  const auto height = table.column("height_above_canopy_m");
+  if (!id || !height) {
+    return Error{"truth_column_missing", table.source, "no shot_id or no height_above_canopy_m",
+                 "a simulated flight's truth.csv", ""};
+  }
+  std::map<std::string, double> heights;
+  for (const auto& row : table.rows)
+    heights[row[*id]] = base::parse_double(row[*height]).value_or(std::nan(""));
+  for (audit::ShotRecord& record : records) {
+    if (const auto found = heights.find(record.shot_id); found != heights.end())
+      record.truth_above_canopy_m = found->second;
+  }
+  return Done{};
+}
+
+/// Up to kReportOverlays shots, evenly spread over those with rows.
+std::vector<std::size_t> shots_to_show(const std::vector<ShotResult>& results) {
+  std::vector<std::size_t> with_rows;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (results[i].lines.ok()) with_rows.push_back(i);
+  }
+  if (with_rows.size() <= kReportOverlays) return with_rows;
+  std::vector<std::size_t> chosen;
+  for (std::size_t k = 0; k < kReportOverlays; ++k)
+    chosen.push_back(with_rows[k * (with_rows.size() - 1) / (kReportOverlays - 1)]);
+  return chosen;
+}
+
+Result<std::vector<figures::Figure>> overlays(const std::vector<telemetry::Shot>& shots,
+                                              const std::vector<ShotResult>& results) {
+  std::vector<figures::Figure> made;
+  for (const std::size_t i : shots_to_show(results)) {
+    FURROW_TRY(const Image picture, image::read_image(shots[i].image));
+    FURROW_TRY(made.emplace_back(),
+               figures::row_overlay(picture, results[i].lines, results[i].record.shot_id));
+  }
+  return made;
+}
+
+Result<std::vector<figures::Figure>> flight_figures(const std::vector<audit::ShotRecord>& records,
+                                                    double row_height_m) {
+  std::vector<figures::Figure> made;
+  FURROW_TRY(made.emplace_back(), figures::heights_over_shots(records, row_height_m));
+  FURROW_TRY(made.emplace_back(), figures::pitch_over_shots(records));
+  FURROW_TRY(made.emplace_back(), figures::cross_track_over_shots(records));
+  return made;
+}
+
+std::vector<std::string> camera_words(const RunCamera& camera, const std::vector<ShotResult>& results) {
+  std::vector<std::string> words;
+  if (!camera.camera.provenance.empty()) words.push_back("Source: " + camera.camera.provenance + ".");
+  std::vector<std::string> seen;
+  for (const ShotResult& result : results) {
+    if (result.camera_provenance.empty() || result.camera_provenance == camera.camera.provenance) continue;
+    if (std::find(seen.begin(), seen.end(), result.camera_provenance) != seen.end()) continue;
+    seen.push_back(result.camera_provenance);
+    words.push_back("For the shots: " + result.camera_provenance + ".");
+  }
+  return words;
+}
+
+std::vector<std::string> log_words(const Project& project, const std::optional<telemetry::Track>& track,
+                                   const sync::Located& located, const std::vector<telemetry::Shot>& shots) {
+  std::vector<std::string> words;
+  if (track) {
+    words.push_back(project.telemetry->filename().string() + ": " + track->format + ", " +
+                    std::to_string(track->samples.size()) + " rows.");
+    words.insert(words.end(), track->warnings.begin(), track->warnings.end());
+  } else {
+    words.push_back("No log is given; what the pictures' own metadata say is used.");
+  }
+  words.push_back("Shots were placed by: " + located.method + ".");
+  words.insert(words.end(), located.warnings.begin(), located.warnings.end());
+  for (const auto& shot : shots) {
+    for (const auto& warning : shot.warnings) words.push_back(shot.shot_id + ": " + warning);
+  }
+  return words;
+}
+
+base::Value options_value(const Project& project) {
+  const auto length = [](const Estimate& e) {
+    base::Value value;
+    value.set("value", e.value);
+    value.set("sigma", e.sigma);
+    return value;
+  };
+  base::Value value;
+  value.set("name", project.name);
+  value.set("rows_method", project.rows_method == rows::Method::thesis ? "thesis" : "field");
+  value.set("spacing_m", length(project.field.row_spacing_m));
+  value.set("half_width_m", length(project.field.half_width_m));
+  value.set("height_m", length(project.field.row_height_m));
+  value.set("foliage_depth_m", length(project.field.foliage_depth_m));
+  value.set("gimbal_pitch_sigma_deg", project.gimbal_pitch_sigma_deg);
+  value.set("gimbal_roll_sigma_deg", project.gimbal_roll_sigma_deg);
+  return value;
+}
+
+base::Value inputs_value(const Project& project) {
+  std::vector<fs::path> files = {project.file};
+  if (!project.camera_model.empty()) files.push_back(project.camera_model);
+  if (!project.board_file.empty()) files.push_back(project.board_file);
+  files.insert(files.end(), project.board_images.begin(), project.board_images.end());
+  if (project.telemetry) files.push_back(*project.telemetry);
+  files.insert(files.end(), project.images.begin(), project.images.end());
+  return hash_inputs(files);
+}
+
+/// Every measured table and picture of a run, ready to be written.
+struct RunTables {
+  RunCamera camera;
+  std::vector<telemetry::Shot> shots;
+  std::optional<telemetry::Track> track;
+  sync::Located located;
+  std::vector<ShotResult> results;
+};
+
+Result<RunTables> measure_flight(const Project& project, const JobOptions& job) {
+  RunTables tables;
+  FURROW_TRY(tables.camera, prepare_camera(project, job));
+  tables.shots = read_shots(project, job);
+  if (project.telemetry) {
+    FURROW_TRY(tables.track, telemetry::read_track(*project.telemetry));
+  }
+  FURROW_TRY(tables.located, sync::locate_shots(tables.shots, tables.track));
+  tables.results = process_shots(tables.shots, tables.located, tables.camera.camera, project, job);
+  return tables;
+}
+
+Status write_tables(const fs::path& out, const RunTables& tables,
+                    const std::vector<audit::ShotRecord>& records) {
+  FURROW_DO(base::write_file(out / "shots.csv", base::to_csv(audit::shots_table(records))));
+  std::vector<RowsOfImage> rows;
+  for (const ShotResult& result : tables.results)
+    rows.push_back({result.record.image, result.lines, result.elapsed_ms});
+  FURROW_DO(base::write_file(out / "rows.json", base::to_json(rows_document(rows)) + "\n"));
+  if (tables.camera.calibration)
+    FURROW_DO(write_calibration(out / "calibration", *tables.camera.calibration));
+  return Done{};
+}
+
+void add_files_of(const figures::Figure& figure, std::vector<std::string>& files) {
+  files.push_back("figures/" + figure.name + ".png");
+  files.push_back("figures/" + figure.name + ".svg");
+}
+
+}  // namespace
+
+std::vector<TruthComparison> compare_with_truth(const std::vector<audit::ShotRecord>& records) {
+  const std::vector<std::pair<std::string, Estimate audit::ShotRecord::*>> methods = {
+      {"thesis formula", &audit::ShotRecord::above_canopy_thesis_m},
+      {"row spacing, closed form", &audit::ShotRecord::above_canopy_spacing_m},
+      {"refined", &audit::ShotRecord::above_canopy_refined_m}};
+  std::vector<TruthComparison> lines;
+  for (const auto& [name, field] : methods) {
+    std::vector<double> estimates;
+    std::vector<double> truths;
+    std::vector<double> shares;
+    for (const audit::ShotRecord& record : records) {
+      if (!std::isfinite(record.truth_above_canopy_m)) continue;
+      estimates.push_back((record.*field).value);
+      truths.push_back(record.truth_above_canopy_m);
+      shares.push_back((record.*field).value / record.truth_above_canopy_m);
+    }
+    if (truths.empty()) continue;
+    const std::vector<double> ones(shares.size(), 1.0);
+    const stats::Agreement result = stats::agreement(estimates, truths);
+    lines.push_back({name, result.pairs, result.mean_error, result.sd_error, result.rmse,
+                     stats::agreement(shares, ones).rmse});
+  }
+  return lines;
+}
+
+Result<RunOutcome> run_job(const Project& project, const fs::path& out, const JobOptions& job,
+                           const std::optional<fs::path>& truth) {
+  FURROW_TRY(RunTables tables, measure_flight(project, job));
+  RunOutcome outcome;
+  for (const ShotResult& result : tables.results) outcome.records.push_back(result.record);
+  const double row_height_m = project.field.row_height_m.value;
+  outcome.findings = audit::assess_shots(outcome.records, row_height_m);
+  if (truth) FURROW_DO(join_truth(outcome.records, *truth));
+  FURROW_DO(write_tables(out, tables, outcome.records));
+
+  base::report(job.progress, "drawing", 0, 1);
+  std::vector<std::string> files = {"shots.csv", "report.html"};
+  RunContent content{project,
+                     outcome.records,
+                     outcome.findings,
+                     tables.camera.camera,
+                     camera_words(tables.camera, tables.results),
+                     log_words(project, tables.track, tables.located, tables.shots),
+                     {},
+                     {},
+                     {}};
+  FURROW_TRY(content.flight_figures, flight_figures(outcome.records, row_height_m));
+  FURROW_TRY(content.overlays, overlays(tables.shots, tables.results));
+  if (tables.camera.calibration) {
+    const calib::Calibration& calibration = *tables.camera.calibration;
+    FURROW_TRY(auto made, calibration_figures(calibration));
+    const auto findings = audit::assess_calibration(calibration);
+    content.calibration.push_back(calibration_section(calibration, findings, std::move(made)));
+    outcome.findings.insert(outcome.findings.end(), findings.begin(), findings.end());
+    files.insert(files.end(), {"calibration/camera.cameramodel", "calibration/camera.yaml",
+                               "calibration/calibration.json"});
+    for (const auto& figure : content.calibration[0].figures) {
+      FURROW_DO(figures::write_figure(out / "figures", figure));
+      add_files_of(figure, files);
+    }
+  }
+  for (const auto* made : {&content.flight_figures, &content.overlays}) {
+    for (const auto& figure : *made) {
+      FURROW_DO(figures::write_figure(out / "figures", figure));
+      add_files_of(figure, files);
+    }
+  }
+  outcome.report = out / "report.html";
+  FURROW_DO(base::write_file(outcome.report, report::to_html(run_page(std::move(content)))));
+  FURROW_DO(write_manifest(out, "run", options_value(project), inputs_value(project), files));
+  base::report(job.progress, "drawing", 1, 1);
+  return outcome;
+}
+
+}  // namespace furrow::project

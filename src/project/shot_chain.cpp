@@ -1,0 +1,150 @@
+#include "project/shot_chain.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "furrow/altitude/thesis.h"
+#include "furrow/altitude/unit_plane.h"
+#include "furrow/geom/angles.h"
+#include "furrow/geom/attitude.h"
+#include "furrow/image/image.h"
+#include "furrow/rows/detect.h"
+
+namespace furrow::project {
+namespace {
+
+using geom::deg_to_rad;
+using geom::rad_to_deg;
+
+Estimate in_degrees(const Estimate& radians) {
+  return {rad_to_deg(radians.value), rad_to_deg(radians.sigma), radians.observations};
+}
+
+audit::ShotRecord record_of(const telemetry::Shot& shot, const sync::ShotPose& pose) {
+  audit::ShotRecord record;
+  record.shot_id = shot.shot_id;
+  record.image = shot.image.filename().string();
+  record.t_utc_ns = pose.state.t_utc_ns;
+  record.latitude_deg = pose.state.latitude_deg;
+  record.longitude_deg = pose.state.longitude_deg;
+  record.height_takeoff_m = pose.state.height_takeoff_m;
+  record.height_vps_m = pose.state.height_vps_m;
+  record.pitch_log_deg = pose.state.gimbal_pitch_deg;
+  record.status = "not run";
+  return record;
+}
+
+/// The gimbal's angles as priors. A gimbal holds its roll level, so a log without roll counts as 0.
+altitude::AttitudePrior prior_of(const telemetry::Sample& state, const Project& project) {
+  altitude::AttitudePrior prior;
+  if (std::isfinite(state.gimbal_pitch_deg)) {
+    prior.pitch_rad = {deg_to_rad(state.gimbal_pitch_deg), deg_to_rad(project.gimbal_pitch_sigma_deg), 1};
+  }
+  const double roll_deg = std::isfinite(state.gimbal_roll_deg) ? state.gimbal_roll_deg : 0.0;
+  prior.roll_rad = {deg_to_rad(roll_deg), deg_to_rad(project.gimbal_roll_sigma_deg), 1};
+  return prior;
+}
+
+/// Where the gimbal's angles put the horizon. Without a lens: the horizon is often outside the picture, where
+/// no lens model holds.
+rows::Priors horizon_of(const altitude::AttitudePrior& prior, const Camera& camera) {
+  rows::Priors priors;
+  if (!prior.pitch_rad.usable()) return priors;
+  const double pitch = prior.pitch_rad.value;
+  // Nearer to nadir than this the horizon is so far away that its place tells the row search nothing.
+  constexpr double kSteepest = deg_to_rad(-80.0);
+  if (pitch < kSteepest || pitch > -kSteepest) return priors;
+  priors.horizon_v_px = camera.cy + camera.fy * std::tan(pitch);
+  priors.horizon_sigma_px = camera.fy * prior.pitch_rad.sigma / (std::cos(pitch) * std::cos(pitch));
+  priors.horizon_slope = -std::tan(prior.roll_rad.value);
+  return priors;
+}
+
+/// The thesis's formula with the half width found at the picture's middle row.
+Estimate thesis_height(const rows::RowLines& lines, const Camera& camera,
+                       const altitude::FieldKnowledge& field, const altitude::AttitudePrior& prior) {
+  for (const rows::RowLine& row : lines.rows) {
+    if (row.index != 0 || !row.half_width_px || !field.half_width_m.usable() || !prior.pitch_rad.usable())
+      continue;
+    const auto slant =
+        altitude::thesis_slant_distance_m(field.half_width_m.value, camera.fx, row.half_width_px->value);
+    if (!slant.ok()) continue;
+    const auto height = altitude::thesis_height_above_canopy_m(*slant, prior.pitch_rad.value);
+    if (!height.ok()) continue;
+    Estimate estimate;  // the thesis gives no sigma
+    estimate.value = *height;
+    estimate.observations = 1;
+    return estimate;
+  }
+  return {};
+}
+
+void set_failure(audit::ShotRecord& record, const Error& error) {
+  record.status = error.code;
+  record.reason = error.message();
+}
+
+void set_refined(audit::ShotRecord& record, const altitude::RefinedShot& refined) {
+  record.pitch_deg = in_degrees(refined.pitch_rad);
+  record.above_canopy_refined_m = refined.height_above_canopy_m;
+  record.above_ground_refined_m = refined.height_above_ground_m;
+  record.cross_track_m = refined.cross_track_m;
+  record.heading_error_deg = in_degrees(refined.yaw_rad);
+  record.status = refined.usable ? "ok" : "not_converged";
+  record.reason = refined.usable ? "" : refined.termination;
+}
+
+/// Rows -> three heights.
+void measure(ShotResult& result, const Camera& camera, const Project& project) {
+  audit::ShotRecord& record = result.record;
+  for (const rows::RowLine& row : result.lines.rows) record.rows_used += row.seen ? 1 : 0;
+  record.rows_confidence = result.lines.confidence;
+  if (!result.lines.ok()) {
+    record.status = result.lines.status;
+    record.reason = result.lines.reason;
+    return;
+  }
+  record.above_canopy_thesis_m = thesis_height(result.lines, camera, project.field, result.prior);
+  const auto directions = altitude::rows_on_unit_plane(result.lines, camera);
+  if (directions.ok()) {
+    const auto closed = altitude::from_spacing(*directions, project.field, result.prior);
+    if (closed.ok()) record.above_canopy_spacing_m = closed->height_above_canopy_m;
+  }
+  const auto refined = altitude::refine_shot(result.lines, camera, project.field, result.prior);
+  if (refined.ok()) {
+    set_refined(record, *refined);
+  } else {
+    set_failure(record, refined.error());
+  }
+}
+
+}  // namespace
+
+ShotResult process_shot(const telemetry::Shot& shot, const sync::ShotPose& pose, const Camera& camera,
+                        const Project& project) {
+  ShotResult result;
+  result.record = record_of(shot, pose);
+  const auto picture = image::read_image(shot.image);
+  if (!picture.ok()) {
+    set_failure(result.record, picture.error());
+    return result;
+  }
+  const auto carried = camera::carry_camera(camera, picture->width, picture->height);
+  if (!carried.ok()) {
+    set_failure(result.record, carried.error());
+    return result;
+  }
+  result.camera_provenance = carried->provenance;
+  result.prior = prior_of(pose.state, project);
+  rows::DetectOptions options;
+  options.method = project.rows_method;
+  options.priors = horizon_of(result.prior, *carried);
+  const auto start = std::chrono::steady_clock::now();
+  result.lines = rows::detect(*picture, options);
+  result.elapsed_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  measure(result, *carried, project);
+  return result;
+}
+
+}  // namespace furrow::project

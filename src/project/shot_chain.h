@@ -1,0 +1,28 @@
+#pragma once
+#include <string>
+
+#include "furrow/altitude/shot_height.h"
+#include "furrow/audit/shot_record.h"
+#include "furrow/camera/camera.h"
+#include "furrow/project/project.h"
+#include "furrow/rows/row_lines.h"
+#include "furrow/sync/locate.h"
+#include "furrow/telemetry/shot.h"
+
+namespace furrow::project {
+
+/// One shot's way through the stages; nothing edits an earlier stage's result.
+struct ShotResult {
+  audit::ShotRecord record;
+  rows::RowLines lines;
+  altitude::AttitudePrior prior;
+  double elapsed_ms = 0.0;        ///< of the row detection
+  std::string camera_provenance;  ///< how the intrinsics came to this picture's size
+};
+
+/// Picture and log -> rows -> heights. Never fails: what stopped it stands in record.status and
+/// record.reason.
+ShotResult process_shot(const telemetry::Shot& shot, const sync::ShotPose& pose, const Camera& camera,
+                        const Project& project);
+
+}  // namespace furrow::project
