@@ -1,0 +1,45 @@
+source "$(dirname "$0")/lib.sh"
+board="$source/calib_targets/opencv-9x6-25mm.yaml"
+
+expect_exit 2 "$furrow" calibrate --target "$out/none.yaml" --out "$out/c" a.jpg
+expect_says "none.yaml: there is no such file"
+expect_exit 2 "$furrow" calibrate --target "$board" --out "$out/c" "$out/none.jpg"
+expect_says "none.jpg"
+[ -e "$out/c" ] && die "a failed calibration left results behind"
+
+printf 'type: checkerboard\ncorners: [9, 6]\nsquare_m: 25\n' > "$out/mm.yaml"
+expect_exit 2 "$furrow" calibrate --target "$out/mm.yaml" --out "$out/c" a.jpg
+expect_says "mm.yaml"
+
+printf 'not a picture' > "$out/broken.jpg"
+expect_exit 2 "$furrow" rows --out "$out/r" "$out/broken.jpg"
+expect_says "broken.jpg"
+
+printf 'name: x\ncamera: { modle: a.yaml }\nshots: { images: "*.jpg" }\n' > "$out/project.yaml"
+expect_exit 2 "$furrow" run "$out/project.yaml" --out "$out/p"
+expect_says "project.yaml:2: unknown key 'modle' in 'camera'; wanted 'model' perhaps"
+
+: > "$out/empty.csv"
+cat > "$out/camera.yaml" <<'Y'
+%YAML:1.0
+---
+image_width: 64
+image_height: 48
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 50., 0., 31.5, 0., 50., 23.5, 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 1
+   cols: 5
+   dt: d
+   data: [ 0., 0., 0., 0., 0. ]
+Y
+printf 'name: x\ncamera: { model: camera.yaml }\nshots: { images: "*.jpg" }\ntelemetry: { file: empty.csv }\n' > "$out/project.yaml"
+expect_exit 2 "$furrow" run "$out/project.yaml" --out "$out/p"
+expect_says "empty.csv"
+
+printf 'seed: 1\nnonsense: 2\n' > "$out/scene.yaml"
+expect_exit 2 "$furrow" simulate "$out/scene.yaml" --out "$out/s"
+expect_says "scene.yaml"

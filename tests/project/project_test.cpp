@@ -1,0 +1,98 @@
+#include "furrow/project/project.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "furrow/base/file.h"
+#include "furrow/project/jobs.h"
+
+namespace furrow::project {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ProjectTest : public ::testing::Test {
+ protected:
+  ProjectTest() : folder_(fs::temp_directory_path() / ("furrow_project_test_" + std::to_string(::getpid()))) {
+    fs::remove_all(folder_);
+    for (const char* name : {"frames/a10.jpg", "frames/a2.jpg", "camera.yaml", "airdata.csv"}) {
+      EXPECT_TRUE(base::write_file(folder_ / name, "").ok());
+    }
+  }
+  ~ProjectTest() override { fs::remove_all(folder_); }
+
+  Result<Project> read(const std::string& yaml) {
+    EXPECT_TRUE(base::write_file(folder_ / "project.yaml", yaml).ok());
+    return read_project(folder_ / "project.yaml");
+  }
+
+  fs::path folder_;
+};
+
+// The smallest form that every user may write.
+constexpr const char* kSmallest = R"(name: vineyard-3m
+camera: { model: camera.yaml }
+shots:  { images: frames/*.jpg }
+telemetry: { file: airdata.csv }
+rows:   { spacing_m: 3.0, spacing_sigma_m: 0.03, half_width_m: 0.60, height_m: 1.70 }
+)";
+
+TEST_F(ProjectTest, ReadsTheSmallestForm) {
+  const auto project = read(kSmallest);
+  ASSERT_TRUE(project.ok()) << project.error().message();
+  EXPECT_EQ(project->name, "vineyard-3m");
+  EXPECT_EQ(project->camera_model, folder_ / "camera.yaml");
+  ASSERT_EQ(project->images.size(), 2U);
+  EXPECT_EQ(project->images[0].filename(), "a2.jpg");
+  EXPECT_EQ(project->telemetry, folder_ / "airdata.csv");
+  EXPECT_EQ(project->field.row_spacing_m.value, 3.0);
+  EXPECT_EQ(project->field.row_spacing_m.sigma, 0.03);
+  EXPECT_EQ(project->field.half_width_m.sigma, 0.60 * kDefaultHalfWidthSigmaShare);
+  EXPECT_FALSE(project->field.foliage_depth_m.usable());
+}
+
+TEST_F(ProjectTest, RefusesUnknownKeysWithTheNearestNameAndTheLine) {
+  std::string yaml = kSmallest;
+  yaml.replace(yaml.find("spacing_sigma_m"), 15, "spacing_sgima_m");
+  EXPECT_EQ(read(yaml).error().message(), "project.yaml:5: unknown key 'spacing_sgima_m' in 'rows'; wanted 'spacing_sigma_m' perhaps.");
+  EXPECT_NE(read(std::string(kSmallest) + "row: {}\n").error().message().find("project.yaml:6: unknown key 'row'"), std::string::npos);
+}
+
+TEST_F(ProjectTest, NamesWhatIsMissingOrWrong) {
+  EXPECT_EQ(read("name: x\nshots: { images: frames/*.jpg }\n").error().message(), "project.yaml: 'camera' is missing.");
+  EXPECT_EQ(read("name: x\ncamera: {}\nshots: { images: frames/*.jpg }\n").error().code, "bad_value");
+  EXPECT_EQ(read("name: x\ncamera: { model: camera.yaml }\nshots: { images: frames/*.tif }\n").error().code, "no_match");
+  EXPECT_EQ(read("name: x\ncamera: { model: camera.yaml }\nshots: { images: ${FURROW_NOT_SET}/*.jpg }\n").error().code, "variable_unset");
+  EXPECT_EQ(read("name: [\n").error().code, "malformed_yaml");
+  const auto negative = read("name: x\ncamera: { model: camera.yaml }\nshots: { images: frames/*.jpg }\nrows: { spacing_m: -3 }\n");
+  EXPECT_EQ(negative.error().message(), "project.yaml:4: rows.spacing_m is -3; wanted a length above 0.");
+  EXPECT_EQ(read_project(folder_ / "none.yaml").error().code, "file_missing");
+}
+
+TEST_F(ProjectTest, BundledProjectsAreReadable) {
+  for (const auto& entry : fs::directory_iterator(fs::path(FURROW_SOURCE_DIR) / "projects")) {
+    if (!fs::exists(entry.path() / "project.yaml")) continue;
+    const auto project = read_project(entry.path() / "project.yaml");
+    // Pictures may be absent on this machine; the file itself must be right.
+    if (!project.ok()) EXPECT_EQ(project.error().code, "no_match") << project.error().message();
+  }
+}
+
+TEST(CompareWithTruth, FormsErrorsPerMethod) {
+  std::vector<audit::ShotRecord> records(2);
+  records[0].truth_above_canopy_m = 2.0;
+  records[0].above_canopy_refined_m = {2.1, 0.1, 5};
+  records[1].truth_above_canopy_m = 4.0;
+  records[1].above_canopy_refined_m = {4.0, 0.1, 5};
+  const auto lines = compare_with_truth(records);
+  ASSERT_EQ(lines.size(), 3U);
+  EXPECT_EQ(lines[0].shots, 0);
+  EXPECT_EQ(lines[2].shots, 2);
+  EXPECT_NEAR(lines[2].mean_error_m, 0.05, 1e-12);
+  EXPECT_NEAR(lines[2].rmse_share, 0.05 / 1.41421356, 1e-8);
+  EXPECT_TRUE(compare_with_truth({{}}).empty());
+}
+
+}  // namespace
+}  // namespace furrow::project
