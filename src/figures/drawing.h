@@ -1,7 +1,7 @@
 #pragma once
-#include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <Eigen/Core>
 #include <string>
 #include <variant>
 #include <vector>
@@ -43,7 +43,7 @@ struct Stroke {
   std::vector<Point> points;
   Colour colour = kInk;
   double width_pt = 1.0;
-  Dash dash;
+  Dash dash = {};
 };
 
 /// A convex polygon.

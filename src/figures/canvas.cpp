@@ -1,0 +1,416 @@
+#include "figures/canvas.h"
+
+#include <vtkBrush.h>
+#include <vtkContext2D.h>
+#include <vtkContextActor.h>
+#include <vtkContextItem.h>
+#include <vtkContextScene.h>
+#include <vtkFreeTypeTools.h>
+#include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkObjectFactory.h>
+#include <vtkPen.h>
+#include <vtkRect.h>
+#include <vtkRenderer.h>
+#include <vtkSmartPointer.h>
+#include <vtkSVGContextDevice2D.h>
+#include <vtkTextProperty.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkXMLDataElement.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <mutex>
+#include <sstream>
+
+#include "figures/gl_window.h"
+#include "figures/utf8.h"
+#include "furrow/base/file.h"
+#include "furrow/base/text.h"
+
+namespace furrow::figures {
+namespace {
+
+// fonts-dejavu-core. VTK's built-in font has no Greek letters.
+constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+constexpr const char* kBoldFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf";
+
+constexpr double kFontUnitsPerEm = 2048.0;  // of DejaVu Sans
+constexpr double kPointsPerInch = 72.0;
+constexpr double kMmPerInch = 25.4;
+/// Units of the SVG's view box per point: whole-numbered font sizes stay fine enough, and coordinates short.
+constexpr double kSvgUnitsPerPt = 20.0;
+/// The PNG is painted this many times larger and averaged: smooth edges for lines, fills and text alike.
+constexpr int kSupersampling = 2;
+/// Largest texture side that every OpenGL 3.2 software renderer offers.
+constexpr int kLargestSidePx = 8192;
+constexpr int kJpegQuality = 88;
+
+/// VTK's font cache and the one OpenGL context: one caller at a time.
+std::mutex& vtk_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+void set_font(vtkTextProperty& property, int size_px, bool bold) {
+  property.SetFontFamily(VTK_FONT_FILE);
+  property.SetFontFile(bold ? kBoldFont : kFont);
+  property.SetFontSize(size_px);
+  property.SetJustificationToLeft();
+  property.SetVerticalJustificationToBottom();
+}
+
+/// Paints a Drawing through VTK's 2-D context, on whichever device stands behind it.
+class DrawingItem : public vtkContextItem {
+ public:
+  static DrawingItem* New();
+  vtkTypeMacro(DrawingItem, vtkContextItem)
+
+      const Drawing* drawing = nullptr;
+  double scale = 1.0;      ///< device units per point
+  double height = 0.0;     ///< of the device, whose y runs upwards
+  bool is_vector = false;  ///< the device fills any polygon and takes pictures from elsewhere
+  std::vector<vtkSmartPointer<vtkImageData>> pictures;
+
+  bool Paint(vtkContext2D* painter) override {
+    if (!is_vector) paint_pictures(*painter);
+    for (const auto& item : drawing->items) {
+      std::visit([&](const auto& shape) { paint(*painter, shape); }, item);
+    }
+    return true;
+  }
+
+ private:
+  std::vector<float> device_points(const std::vector<Point>& points) const {
+    std::vector<float> xy;
+    xy.reserve(2 * points.size());
+    for (const Point& point : points) {
+      xy.push_back(static_cast<float>(point.x() * scale));
+      xy.push_back(static_cast<float>(height - point.y() * scale));
+    }
+    return xy;
+  }
+
+  static void fill_with(vtkContext2D& painter, Colour colour) {
+    painter.GetPen()->SetLineType(vtkPen::NO_PEN);
+    painter.GetBrush()->SetColor(colour.r, colour.g, colour.b, colour.a);
+  }
+
+  void paint(vtkContext2D& painter, const Stroke& stroke) const {
+    painter.GetPen()->SetLineType(vtkPen::SOLID_LINE);
+    painter.GetPen()->SetColor(stroke.colour.r, stroke.colour.g, stroke.colour.b, stroke.colour.a);
+    painter.GetPen()->SetWidth(static_cast<float>(stroke.width_pt * scale));
+    for (const auto& line : dashes(stroke)) {
+      if (line.size() < 2) continue;
+      auto xy = device_points(line);
+      painter.DrawPoly(xy.data(), static_cast<int>(line.size()));
+    }
+  }
+
+  void paint(vtkContext2D& painter, const Fill& fill) const {
+    if (fill.corners.size() < 3) return;
+    fill_with(painter, fill.colour);
+    auto xy = device_points(fill.corners);
+    painter.DrawPolygon(xy.data(), static_cast<int>(fill.corners.size()));
+  }
+
+  void paint(vtkContext2D& painter, const Band& band) const {
+    if (band.upper.size() < 2 || band.upper.size() != band.lower.size()) return;
+    fill_with(painter, band.colour);
+    std::vector<Point> points;
+    if (is_vector) {
+      points = band.upper;
+      points.insert(points.end(), band.lower.rbegin(), band.lower.rend());
+    } else {
+      for (std::size_t i = 0; i < band.upper.size(); ++i) {
+        points.push_back(band.upper[i]);
+        points.push_back(band.lower[i]);
+      }
+    }
+    auto xy = device_points(points);
+    if (is_vector) {
+      painter.DrawPolygon(xy.data(), static_cast<int>(points.size()));
+    } else {
+      painter.DrawQuadStrip(xy.data(), static_cast<int>(points.size()));
+    }
+  }
+
+  void paint(vtkContext2D& painter, const Text& text) const {
+    if (text.text.empty()) return;
+    auto& property = *painter.GetTextProp();
+    set_font(property, std::max(1, static_cast<int>(std::lround(text.size_pt * scale))), text.bold);
+    property.SetColor(text.colour.r / 255.0, text.colour.g / 255.0, text.colour.b / 255.0);
+    property.SetOpacity(text.colour.a / 255.0);
+    property.SetOrientation(text.upward ? 90.0 : 0.0);
+    const double share = text.align == Align::start ? 0.0 : text.align == Align::middle ? 0.5 : 1.0;
+    const double along_pt = -share * text_width(text.text, text.size_pt, text.bold);
+    const double down_pt = kDescent * text.size_pt;
+    const Point corner = text.anchor + (text.upward ? Point(down_pt, -along_pt) : Point(along_pt, down_pt));
+    painter.DrawString(static_cast<float>(corner.x() * scale),
+                       static_cast<float>(height - corner.y() * scale), printable(text.text).c_str());
+  }
+
+  void paint_pictures(vtkContext2D& painter) const {
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      const Picture& picture = drawing->pictures[i];
+      painter.DrawImage(
+          vtkRectf(static_cast<float>(picture.top_left.x() * scale),
+                   static_cast<float>(height - (picture.top_left.y() + picture.height_pt) * scale),
+                   static_cast<float>(picture.width_pt * scale),
+                   static_cast<float>(picture.height_pt * scale)),
+          pictures[i]);
+    }
+  }
+
+ public:
+  /// As text_width_pt, for callers that hold the mutex.
+  static double text_width(const std::string& text, double size_pt, bool bold);
+};
+vtkStandardNewMacro(DrawingItem);
+
+double DrawingItem::text_width(const std::string& text, double size_pt, bool bold) {
+  vtkNew<vtkTextProperty> property;
+  constexpr int kUnscaled = 0;
+  set_font(*property, kUnscaled, bold);
+  auto& fonts = *vtkFreeTypeTools::GetInstance();
+  double units = 0.0;
+  vtkUnicodeStringValueType previous = 0;
+  for (const char32_t code : characters(text)) {
+    const auto glyph = static_cast<vtkUnicodeStringValueType>(code);
+    units += fonts.GetUnscaledGlyphOutline(property, glyph).HorizAdvance;
+    if (previous != 0) units += fonts.GetUnscaledKerning(property, previous, glyph)[0];
+    previous = glyph;
+  }
+  return size_pt * units / kFontUnitsPerEm;
+}
+
+vtkSmartPointer<vtkImageData> texture(const Image& rgb) {
+  auto data = vtkSmartPointer<vtkImageData>::New();
+  data->SetDimensions(rgb.width, rgb.height, 1);
+  data->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+  auto* to = static_cast<std::uint8_t*>(data->GetScalarPointer());
+  const auto row_bytes = static_cast<std::ptrdiff_t>(rgb.width) * 3;
+  for (int v = rgb.height - 1; v >= 0; --v, to += row_bytes) std::copy_n(rgb.at(0, v), row_bytes, to);
+  return data;
+}
+
+Image as_rgb(const Image& picture) {
+  if (picture.channels == 3) return picture;
+  Image rgb = image::make_image(picture.width, picture.height, 3);
+  for (std::size_t i = 0; i < picture.data.size(); ++i) {
+    std::fill_n(rgb.data.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, picture.data[i]);
+  }
+  return rgb;
+}
+
+/// Mean of each kSupersampling x kSupersampling block, turned the right way up.
+Image average_down(const vtkUnsignedCharArray& pixels, int width, int height) {
+  Image small = image::make_image(width, height, 3);
+  const int wide = width * kSupersampling;
+  const auto* from = const_cast<vtkUnsignedCharArray&>(pixels).GetPointer(0);
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      int sum[3] = {0, 0, 0};
+      for (int block = 0; block < kSupersampling * kSupersampling; ++block) {
+        const std::ptrdiff_t row = (height - 1 - v) * kSupersampling + block / kSupersampling;
+        const std::ptrdiff_t column = u * kSupersampling + block % kSupersampling;
+        for (int c = 0; c < 3; ++c) sum[c] += from[(row * wide + column) * 3 + c];
+      }
+      constexpr int kCount = kSupersampling * kSupersampling;
+      for (int c = 0; c < 3; ++c) {
+        small.at(u, v)[c] = static_cast<std::uint8_t>((sum[c] + kCount / 2) / kCount);
+      }
+    }
+  }
+  return small;
+}
+
+/// The process's one context and window. They live to the end: VTK's own statics may be gone when ours would
+/// be destroyed.
+struct Renderer {
+  std::unique_ptr<SurfacelessContext> context;
+  vtkSmartPointer<BorrowedContextWindow> window;
+};
+
+Result<Renderer*> renderer() {
+  static Renderer* made = nullptr;
+  if (made == nullptr) {
+    FURROW_TRY(auto context, SurfacelessContext::create());
+    made = new Renderer{std::move(context), vtkSmartPointer<BorrowedContextWindow>::New()};
+    made->window->SetOwnContext(0);
+    made->window->SetMultiSamples(4);
+    made->window->SetOffScreenRendering(1);
+    made->window->SetDPI(static_cast<int>(kPointsPerInch));
+  }
+  return made;
+}
+
+/// Pictures at their size on the PNG.
+std::vector<Image> fitted_pictures(const Drawing& drawing, double px_per_pt) {
+  std::vector<Image> fitted;
+  for (const Picture& picture : drawing.pictures) {
+    const int width = std::max(1, static_cast<int>(std::lround(picture.width_pt * px_per_pt)));
+    const int height = std::max(1, static_cast<int>(std::lround(picture.height_pt * px_per_pt)));
+    fitted.push_back(as_rgb(image::resize(picture.image, width, height)));
+  }
+  return fitted;
+}
+
+Result<Image> paint_pixels(const Drawing& drawing, double px_per_pt, int width, int height,
+                           const std::vector<Image>& pictures) {
+  FURROW_TRY(Renderer * gl, renderer());
+  if (!gl->context->make_current()) {
+    return Error{"no_renderer", "figures", "the OpenGL context was lost",
+                 "a context that can be made current", ""};
+  }
+  vtkNew<DrawingItem> item;
+  item->drawing = &drawing;
+  item->scale = px_per_pt * kSupersampling;
+  item->height = height * kSupersampling;
+  for (const Image& picture : pictures) item->pictures.push_back(texture(picture));
+
+  gl->window->SetSize(width * kSupersampling, height * kSupersampling);
+  vtkNew<vtkRenderer> layer;
+  layer->SetBackground(1.0, 1.0, 1.0);
+  vtkNew<vtkContextScene> scene;
+  scene->SetRenderer(layer);
+  scene->AddItem(item);
+  vtkNew<vtkContextActor> actor;
+  actor->SetScene(scene);
+  layer->AddActor(actor);
+  gl->window->AddRenderer(layer);
+  gl->window->Render();
+  vtkNew<vtkUnsignedCharArray> pixels;
+  constexpr int kBackBuffer = 0;
+  gl->window->GetPixelData(0, 0, width * kSupersampling - 1, height * kSupersampling - 1, kBackBuffer,
+                           pixels.Get(), 0);
+  gl->window->RemoveRenderer(layer);
+  gl->context->release();
+  const auto wanted = static_cast<vtkIdType>(width) * height * kSupersampling * kSupersampling * 3;
+  if (pixels->GetNumberOfValues() != wanted) {
+    return Error{"no_renderer", "figures", "OpenGL returned no pixels", "a picture", ""};
+  }
+  return average_down(*pixels, width, height);
+}
+
+std::string escape_xml(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        // XML 1.0 has no other control characters, escaped or not.
+        if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t') out += c;
+    }
+  }
+  return out;
+}
+
+std::string svg_picture(const Picture& picture, const Image& fitted) {
+  const char* extension = picture.lossless ? ".png" : ".jpg";
+  const char* type = picture.lossless ? "image/png" : "image/jpeg";
+  const auto units = [](double pt) { return base::format_fixed(pt * kSvgUnitsPerPt, 1); };
+  return "<image x=\"" + units(picture.top_left.x()) + "\" y=\"" + units(picture.top_left.y()) +
+         "\" width=\"" + units(picture.width_pt) + "\" height=\"" + units(picture.height_pt) +
+         "\" preserveAspectRatio=\"none\" xlink:href=\"data:" + type + ";base64," +
+         base::base64(image::encode_image(fitted, extension, kJpegQuality)) + "\"/>\n";
+}
+
+/// VTK's SVG device asks its window for size and resolution only: no OpenGL takes part.
+std::string vector_items(const Drawing& drawing) {
+  const double width = drawing.width_pt * kSvgUnitsPerPt, height = drawing.height_pt * kSvgUnitsPerPt;
+  vtkNew<BorrowedContextWindow> window;
+  window->SetSize(static_cast<int>(std::ceil(width)), static_cast<int>(std::ceil(height)));
+  window->SetDPI(static_cast<int>(kPointsPerInch));
+  vtkNew<vtkRenderer> layer;
+  window->AddRenderer(layer);
+  vtkNew<vtkXMLDataElement> page, definitions;
+  page->SetName("g");
+  page->SetAttribute("stroke-linejoin", "round");
+  page->SetAttribute("fill", "none");
+  definitions->SetName("defs");
+  vtkNew<vtkSVGContextDevice2D> device;
+  device->SetSVGContext(page, definitions);
+  device->Begin(layer);
+  vtkNew<vtkContext2D> painter;
+  painter->Begin(device);
+  vtkNew<DrawingItem> item;
+  item->drawing = &drawing;
+  item->scale = kSvgUnitsPerPt;
+  item->height = std::ceil(height);
+  item->is_vector = true;
+  item->Paint(painter);
+  painter->End();
+  device->End();
+  std::ostringstream text;
+  page->PrintXML(text, vtkIndent());
+  return text.str();
+}
+
+std::string paint_svg(const Drawing& drawing, const std::vector<Image>& pictures, const std::string& title,
+                      const std::string& description) {
+  const auto mm = [](double pt) { return base::format_fixed(pt * kMmPerInch / kPointsPerInch, 2); };
+  const std::string width = base::format_fixed(std::ceil(drawing.width_pt * kSvgUnitsPerPt), 0);
+  const std::string height = base::format_fixed(std::ceil(drawing.height_pt * kSvgUnitsPerPt), 0);
+  std::string svg =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" role=\"img\" "
+      "width=\"" +
+      mm(drawing.width_pt) + "mm\" height=\"" + mm(drawing.height_pt) + "mm\" viewBox=\"0 0 " + width + " " +
+      height + "\">\n<title>" + escape_xml(title) + "</title>\n<desc>" + escape_xml(description) +
+      "</desc>\n<rect width=\"" + width + "\" height=\"" + height + "\" fill=\"#ffffff\"/>\n";
+  for (std::size_t i = 0; i < pictures.size(); ++i) svg += svg_picture(drawing.pictures[i], pictures[i]);
+  return svg + vector_items(drawing) + "</svg>\n";
+}
+
+Status check_font() {
+  for (const char* font : {kFont, kBoldFont}) {
+    if (!std::filesystem::exists(font)) {
+      return Error{"no_font", font, "no such file", "DejaVu Sans", "install fonts-dejavu-core"};
+    }
+  }
+  return Done{};
+}
+
+}  // namespace
+
+double text_width_pt(const std::string& text, double size_pt, bool bold) {
+  const std::scoped_lock lock(vtk_mutex());
+  return DrawingItem::text_width(text, size_pt, bold);
+}
+
+Result<Rendered> render(const Drawing& drawing, double dpi, const std::string& title,
+                        const std::string& description) {
+  FURROW_DO(check_font());
+  const double px_per_pt = dpi / kPointsPerInch;
+  const double wide = drawing.width_pt * px_per_pt, high = drawing.height_pt * px_per_pt;
+  constexpr double kLargest = kLargestSidePx / kSupersampling;
+  if (!(wide >= 1.0 && high >= 1.0 && wide <= kLargest && high <= kLargest)) {
+    return Error{"figure_too_large", title,
+                 "a figure of " + base::format_fixed(wide, 0) + " x " + base::format_fixed(high, 0) + " px",
+                 "sides from 1 to " + base::format_fixed(kLargest, 0) + " px", "lower the width or the dpi"};
+  }
+  Rendered made;
+  made.width_px = static_cast<int>(std::lround(wide));
+  made.height_px = static_cast<int>(std::lround(high));
+  const std::scoped_lock lock(vtk_mutex());
+  const std::vector<Image> pictures = fitted_pictures(drawing, px_per_pt);
+  FURROW_TRY(const Image pixels, paint_pixels(drawing, px_per_pt, made.width_px, made.height_px, pictures));
+  made.png = image::encode_image(pixels, ".png");
+  made.svg = paint_svg(drawing, pictures, title, description);
+  return made;
+}
+
+}  // namespace furrow::figures
