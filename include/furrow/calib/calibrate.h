@@ -5,6 +5,7 @@
 
 #include "furrow/camera/camera.h"
 #include "furrow/geom/rigid3.h"
+#include "furrow/stats/estimate.h"
 #include "furrow/target/board.h"
 #include "furrow/target/detect.h"
 
@@ -12,10 +13,20 @@ namespace furrow::calib {
 
 struct CalibrateOptions {
   camera::CameraModel model = camera::CameraModel::opencv5;
-  /// A view whose own RMS is over this many times the median view's RMS is dropped and the rest solved again;
-  /// 0 keeps all.
+  /// A view whose own RMS is over this many times the median view's RMS is dropped and the rest solved again,
+  /// until none is; 0 keeps all. 3 drops what a person would.
   double view_outlier_ratio = 0.0;
   int max_iterations = 200;
+  /// Weigh each corner by 1 / sigma_px^2 of its detection (relative to the mean); off, all corners count the
+  /// same, as in OpenCV.
+  bool use_corner_sigma = false;
+  /// fx = fy. For sensors with square pixels; needed to free the board's aspect.
+  bool square_pixels = false;
+  /// Solve the board's aspect (height / width of a square), for boards on monitors and stretched prints.
+  /// Implies square_pixels: both aspects at once cannot be told apart.
+  bool solve_aspect = false;
+  /// Solve how far the board bends along x and y: two parabolas, as mrcal's calobject_warp.
+  bool solve_warp = false;
 };
 
 /// What became of one picture.
@@ -43,6 +54,16 @@ struct Calibration {
   int iterations = 0;
   std::string termination;  ///< Ceres' own words
   bool usable = false;
+  /// Residual standard deviation per coordinate, px: sqrt(squared sum / degrees of freedom). It scales the
+  /// covariance.
+  double sigma0_px = 0.0;
+  int degrees_of_freedom = 0;  ///< 2 corners - parameters, poses counted
+  Estimate board_aspect;       ///< observations 0 when it was not solved
+  Estimate
+      board_warp_x_m;  ///< height of the board's middle over its ends along x; observations 0 when not solved
+  Estimate board_warp_y_m;
+  /// What a person should know before using this camera, one sentence each.
+  std::vector<std::string> warnings;
 };
 
 /// Solves intrinsics and board poses together (docs/formulation.md). Start values need no guess.

@@ -1,8 +1,10 @@
 #pragma once
 #include <Eigen/Core>
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "furrow/base/progress.h"
 #include "furrow/image/image.h"
 #include "furrow/target/board.h"
 
@@ -14,9 +16,12 @@ struct BoardDetection {
   int width = 0, height = 0;
   bool found = false;
   std::vector<Eigen::Vector2d> corners_px;  ///< order of corners_in_board; empty when not found
-  std::vector<double> sigma_px;             ///< one per corner
-  std::string reason;  ///< when not found: "no board of 9x6 inner corners found", "picture unreadable: ...",
-                       ///< "byte-identical to ..."
+  /// One per corner: what the picture's noise and gradients allow, per coordinate. Relative weights are good;
+  /// the absolute level leaves out the lens, the paper and the JPEG.
+  std::vector<double> sigma_px;
+  /// When not found: "no board of 9x6 inner corners found", "picture unreadable: ...", "byte-identical to
+  /// ...".
+  std::string reason;
   std::string sha256;  ///< of the file's bytes, to name copies
 };
 
@@ -25,6 +30,18 @@ struct DetectOptions {
   int coarse_side_px = 1280;
 };
 
+/// Finds the board, refines every corner to sub-pixel and checks the grid against the board's own homography
+/// and colours, so that a wrong grid is reported as not found. x runs along `corners_x`, y to its right-hand
+/// side as seen (x cross y away from the camera). Of the ways that leaves, the one with a black square before
+/// the first corner is taken; where the colours are the same both ways round, the one whose first corner is
+/// nearer to the top-left of the picture. `image` and `sha256` are left empty.
 BoardDetection detect_board(const Image& picture, const BoardSpec& board, const DetectOptions& options = {});
+
+/// Reads the pictures and finds their boards in parallel; one entry a file, in the files' order, whatever the
+/// thread count. Pictures that cannot be read, copies of an earlier file and pictures of another size than
+/// most are entries with `found` false and a reason. `threads` 0: one per core.
+std::vector<BoardDetection> detect_boards(const std::vector<std::filesystem::path>& files,
+                                          const BoardSpec& board, const DetectOptions& options = {},
+                                          int threads = 0, const base::Progress& progress = {});
 
 }  // namespace furrow::target

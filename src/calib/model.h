@@ -1,0 +1,63 @@
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "furrow/camera/camera.h"
+#include "furrow/geom/rigid3.h"
+#include "furrow/target/board.h"
+
+namespace furrow::calib {
+
+/// The board's shape beside its counts and its square: what a solve may free.
+inline constexpr int kBoardTerms = 3;  ///< aspect, warp along x, warp along y
+
+/// How the free parameters that all views share make up a camera and a board: full = origin + basis * shared,
+/// with full = (fx, fy, cx, cy, distortion..., aspect, warp_x, warp_y).
+struct SharedModel {
+  Camera camera;            ///< model and size; its intrinsics are replaced
+  target::BoardSpec board;  ///< counts and square
+  Eigen::VectorXd origin;
+  Eigen::MatrixXd basis;
+
+  Eigen::Index intrinsics_count() const { return origin.size() - kBoardTerms; }
+};
+
+/// Which of the full parameters a solve frees.
+struct FreeTerms {
+  bool square_pixels = false;  ///< fx and fy are one parameter
+  bool aspect = false;
+  bool warp = false;
+  int distortion = 0;  ///< the first so many coefficients
+};
+
+/// A model with `free`'s parameters; the rest stays as camera, aspect and warp_m say. `shared` of these
+/// values: shared_of().
+SharedModel make_shared_model(const Camera& camera, const target::BoardSpec& board,
+                              const Eigen::Vector2d& warp_m, const FreeTerms& free);
+Eigen::VectorXd shared_of(const SharedModel& model);
+
+/// What `shared` says.
+Camera camera_of(const SharedModel& model, const Eigen::VectorXd& shared);
+target::BoardSpec board_of(const SharedModel& model, const Eigen::VectorXd& shared);
+Eigen::Vector2d warp_of(const SharedModel& model, const Eigen::VectorXd& shared);
+
+/// Rotation vector (rad) and translation (m) of cam_from_board.
+using PoseVector = Eigen::Matrix<double, 6, 1>;
+PoseVector pose_vector(const Rigid3& cam_from_board);
+Rigid3 pose_of(const PoseVector& pose);
+
+/// Residuals projected - observed, px, x and y in turn, and their derivatives, row-major so that Ceres can
+/// own the memory.
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Evaluates one view. `weight` has one entry a corner or none; `d_shared`, `d_pose` may be null. False when
+/// a corner falls behind the camera or has no finite pixel.
+bool evaluate_view(const SharedModel& model, const Eigen::VectorXd& shared, const PoseVector& pose,
+                   const std::vector<Eigen::Vector2d>& observed_px, const std::vector<double>& weight,
+                   double* residual, double* d_shared, double* d_pose);
+
+/// A corner of a warped board: z = warp_x (1 - x'^2) + warp_y (1 - y'^2) with x', y' from -1 to 1 across the
+/// corners (mrcal's calobject_warp).
+Eigen::Vector3d warped_corner(const target::BoardSpec& board, const Eigen::Vector2d& warp_m, int i, int j);
+
+}  // namespace furrow::calib

@@ -1,0 +1,44 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "calib/model.h"
+
+namespace furrow::calib {
+
+/// One view as the solver sees it.
+struct SolveView {
+  std::vector<Eigen::Vector2d> observed_px;
+  std::vector<double> weight;  ///< one a corner, or none; 0 leaves a corner out
+  PoseVector pose;
+};
+
+struct SolveOptions {
+  int max_iterations = 200;
+};
+
+/// Least squares over all views. `shared` and the poses are the minimum's when `converged`.
+struct Solved {
+  Eigen::VectorXd shared;
+  std::vector<PoseVector> poses;
+  bool converged = false;
+  int iterations = 0;
+  std::string termination = "never ran";
+};
+Solved solve(const SharedModel& model, const Eigen::VectorXd& start, const std::vector<SolveView>& views,
+             const SolveOptions& options);
+
+/// The Gauss-Newton normal matrix at a solution, with the poses eliminated view by view: linear in the number
+/// of views.
+struct Information {
+  Eigen::MatrixXd shared;  ///< of the shared parameters, poses counted in as unknown (Schur complement)
+  std::vector<Eigen::MatrixXd> view_gain;                          ///< each view's share of `shared`
+  std::vector<Eigen::Matrix<double, 6, 6>> pose_inverse;           ///< (B'B)^-1 of each view
+  std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> pose_tie;  ///< (B'B)^-1 B'A of each view
+  double squared_sum = 0.0;                                        ///< of the weighted residuals
+  int residuals = 0;                                               ///< how many are not weighted 0
+  bool usable = false;
+};
+Information information(const SharedModel& model, const Solved& solved, const std::vector<SolveView>& views);
+
+}  // namespace furrow::calib

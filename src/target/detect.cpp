@@ -1,0 +1,182 @@
+#include "furrow/target/detect.h"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+
+#include "furrow/base/file.h"
+#include "furrow/base/parallel.h"
+#include "target/find.h"
+#include "target/grid.h"
+#include "target/refine.h"
+
+namespace furrow::target {
+namespace {
+
+/// Half the window of a corner's refinement, as a share of the distance to its nearest neighbour: wide enough
+/// for all of its four edges, not so wide that a neighbour's edges enter.
+constexpr double kWindowShare = 0.4;
+/// Smaller squares than this leave no gradients of their own to each corner, px.
+constexpr double kSmallestSquarePx = 5.0;
+
+std::string size_name(int columns, int rows) {
+  return std::to_string(columns) + "x" + std::to_string(rows);
+}
+
+/// Corners of `grid` (in a smaller copy) in the pixels of the whole picture; pixel centres are whole numbers
+/// in both.
+Grid scaled(Grid grid, double su, double sv) {
+  for (Eigen::Vector2d& p : grid.px) p = {(p.x() + 0.5) * su - 0.5, (p.y() + 0.5) * sv - 0.5};
+  return grid;
+}
+
+struct Refined {
+  Grid grid;
+  std::vector<double> sigma_px;
+  std::string fault;
+};
+
+Refined refine(const Grid& start, const Image& grey, double noise) {
+  Refined out{start, std::vector<double>(start.px.size()), ""};
+  for (int j = 0; j < start.rows; ++j) {
+    for (int i = 0; i < start.columns; ++i) {
+      const double square_px = nearest_neighbour_px(start, i, j);
+      const auto corner = square_px < kSmallestSquarePx
+                              ? std::nullopt
+                              : refine_corner(grey, start.at(i, j), kWindowShare * square_px, noise);
+      if (!corner) {
+        out.fault =
+            "corner " + std::to_string(i) + "," + std::to_string(j) + " is not sharp enough to refine";
+        return out;
+      }
+      out.grid.px[start.index(i, j)] = corner->px;
+      out.sigma_px[start.index(i, j)] = corner->sigma_px;
+    }
+  }
+  return out;
+}
+
+/// A smaller copy for the search, with what a pixel of it spans in the whole picture.
+struct Coarse {
+  Image grey;
+  double su = 1.0, sv = 1.0;
+};
+
+Coarse coarse_copy(const Image& grey, int longest_px) {
+  const int longest = std::max(grey.width, grey.height);
+  if (longest <= longest_px) return {grey, 1.0, 1.0};
+  const double scale = static_cast<double>(longest_px) / longest;
+  const int width = std::max(1, static_cast<int>(std::lround(grey.width * scale)));
+  const int height = std::max(1, static_cast<int>(std::lround(grey.height * scale)));
+  return {image::resize(grey, width, height), static_cast<double>(grey.width) / width,
+          static_cast<double>(grey.height) / height};
+}
+
+/// Reasons that need all files at once: copies, and sizes that differ from most.
+void name_copies_and_strays(std::vector<BoardDetection>& all) {
+  std::map<std::string, std::string> first_with;
+  for (BoardDetection& one : all) {
+    if (one.sha256.empty() || one.width == 0) continue;
+    const auto [it, is_new] = first_with.emplace(one.sha256, one.image);
+    if (is_new) continue;
+    one.found = false;
+    one.corners_px.clear();
+    one.sigma_px.clear();
+    one.reason = "byte-identical to " + it->second;
+  }
+  std::map<std::pair<int, int>, int> count;
+  for (const BoardDetection& one : all) {
+    if (one.width > 0) ++count[{one.width, one.height}];
+  }
+  if (count.size() < 2) return;
+  const auto most = std::max_element(count.begin(), count.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  for (BoardDetection& one : all) {
+    if (one.width == 0 || std::pair(one.width, one.height) == most->first || !one.reason.empty()) continue;
+    one.found = false;
+    one.corners_px.clear();
+    one.sigma_px.clear();
+    one.reason = "size " + size_name(one.width, one.height) + " differs from the other pictures' " +
+                 size_name(most->first.first, most->first.second);
+  }
+}
+
+BoardDetection read_and_detect(const std::filesystem::path& file, const BoardSpec& board,
+                               const DetectOptions& options) {
+  BoardDetection out;
+  const auto refused = [&](const Error& error) {
+    out.reason = "picture unreadable: " + error.found;
+    return out;
+  };
+  const auto bytes = base::read_file(file);
+  std::string sha;
+  if (bytes.ok()) {
+    sha = base::sha256_hex(*bytes);
+    const auto picture = image::decode_image(*bytes, file.string());
+    if (picture.ok()) {
+      out = detect_board(*picture, board, options);
+    } else {
+      refused(picture.error());
+    }
+  } else {
+    refused(bytes.error());
+  }
+  out.sha256 = sha;
+  return out;
+}
+
+}  // namespace
+
+BoardDetection detect_board(const Image& picture, const BoardSpec& board, const DetectOptions& options) {
+  check(validate(board).ok(), "detect_board: the board is not valid");
+  BoardDetection out;
+  out.width = picture.width;
+  out.height = picture.height;
+  const std::string wanted = size_name(board.corners_x, board.corners_y);
+  out.reason = "no board of " + wanted + " inner corners found";
+  if (picture.empty() || std::min(picture.width, picture.height) < 2 * kSmallestSquarePx) return out;
+  const Image grey = image::to_grey(picture);
+  const Coarse coarse = coarse_copy(grey, std::max(64, options.coarse_side_px));
+  const std::optional<Grid> seen = find_grid(coarse.grey, board.corners_x, board.corners_y);
+  if (!seen) return out;
+  // First where it was found, then in the whole picture: a window of the right size must start within its
+  // reach.
+  Refined refined = refine(*seen, coarse.grey, 1.0);
+  if (refined.fault.empty())
+    refined = refine(scaled(refined.grid, coarse.su, coarse.sv), grey, noise_grey(grey));
+  const Grid grid = oriented(refined.grid, board.corners_x, board.corners_y, grey);
+  if (refined.fault.empty() && grid.px.empty()) refined.fault = "its squares overlap";
+  if (refined.fault.empty()) refined.fault = grid_fault(grid, grey);
+  if (!refined.fault.empty()) {
+    out.reason = "a grid of " + wanted + " corners was found, but " + refined.fault;
+    return out;
+  }
+  // Orientation only reorders; each corner's sigma is found again by its place.
+  for (const Eigen::Vector2d& p : grid.px) {
+    const auto it = std::find(refined.grid.px.begin(), refined.grid.px.end(), p);
+    out.sigma_px.push_back(refined.sigma_px[static_cast<std::size_t>(it - refined.grid.px.begin())]);
+  }
+  out.corners_px = grid.px;
+  out.found = true;
+  out.reason.clear();
+  return out;
+}
+
+std::vector<BoardDetection> detect_boards(const std::vector<std::filesystem::path>& files,
+                                          const BoardSpec& board, const DetectOptions& options, int threads,
+                                          const base::Progress& progress) {
+  std::vector<BoardDetection> all(files.size());
+  std::mutex mutex;
+  std::size_t done = 0;
+  base::report(progress, "detecting boards", 0, files.size());
+  base::parallel_for(files.size(), threads, [&](std::size_t i) {
+    all[i] = read_and_detect(files[i], board, options);
+    all[i].image = files[i].filename().string();
+    const std::lock_guard lock(mutex);
+    base::report(progress, "detecting boards", ++done, files.size());
+  });
+  name_copies_and_strays(all);
+  return all;
+}
+
+}  // namespace furrow::target

@@ -1,0 +1,209 @@
+#include "target/grid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <Eigen/Dense>
+
+#include "furrow/base/text.h"
+#include "furrow/target/homography.h"
+
+namespace furrow::target {
+namespace {
+
+/// Grey value at a place, by bilinear interpolation; the border is carried outwards.
+double grey_at(const Image& grey, const Eigen::Vector2d& px) {
+  const double u = std::clamp(px.x(), 0.0, grey.width - 1.001),
+               v = std::clamp(px.y(), 0.0, grey.height - 1.001);
+  const int iu = static_cast<int>(u), iv = static_cast<int>(v);
+  const double a = u - iu, b = v - iv;
+  if (grey.width < 2 || grey.height < 2) return *grey.at(iu, iv);
+  return (1 - b) * ((1 - a) * *grey.at(iu, iv) + a * *grey.at(iu + 1, iv)) +
+         b * ((1 - a) * *grey.at(iu, iv + 1) + a * *grey.at(iu + 1, iv + 1));
+}
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// Mean of five samples about the middle of the square whose corners are a b d c.
+double square_grey(const Image& grey, const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                   const Eigen::Vector2d& c, const Eigen::Vector2d& d) {
+  const Eigen::Vector2d middle = 0.25 * (a + b + c + d);
+  double sum = grey_at(grey, middle);
+  for (const Eigen::Vector2d& corner : {a, b, c, d}) sum += grey_at(grey, 0.6 * middle + 0.4 * corner);
+  return sum / 5.0;
+}
+
+/// Grey of the square between corners (i, j) and (i + 1, j + 1); those just outside the grid are reached by
+/// continuing its edges.
+double square_grey(const Grid& grid, const Image& grey, int i, int j) {
+  const auto corner = [&](int a, int b) {
+    const int ca = std::clamp(a, 0, grid.columns - 1), cb = std::clamp(b, 0, grid.rows - 1);
+    Eigen::Vector2d px = grid.at(ca, cb);
+    if (a < 0) px += grid.at(0, cb) - grid.at(1, cb);
+    if (a >= grid.columns) px += grid.at(ca, cb) - grid.at(ca - 1, cb);
+    if (b < 0) px += grid.at(ca, 0) - grid.at(ca, 1);
+    if (b >= grid.rows) px += grid.at(ca, cb) - grid.at(ca, cb - 1);
+    return px;
+  };
+  return square_grey(grey, corner(i, j), corner(i + 1, j), corner(i, j + 1), corner(i + 1, j + 1));
+}
+
+/// Whether the square before the first corner is darker than those beside it.
+bool starts_black(const Grid& grid, const Image& grey) {
+  const double own = square_grey(grid, grey, -1, -1) + square_grey(grid, grey, 0, 0);
+  return own < square_grey(grid, grey, 0, -1) + square_grey(grid, grey, -1, 0);
+}
+
+/// Sign of the turn from x to y that all squares share; 0 when they do not.
+int common_turn(const Grid& grid) {
+  int turn = 0;
+  for (int j = 0; j + 1 < grid.rows; ++j) {
+    for (int i = 0; i + 1 < grid.columns; ++i) {
+      const Eigen::Vector2d a = grid.at(i, j), b = grid.at(i + 1, j), c = grid.at(i, j + 1),
+                            d = grid.at(i + 1, j + 1);
+      for (const double area :
+           {cross(b - a, c - a), cross(d - b, a - b), cross(c - d, b - d), cross(a - c, d - c)}) {
+        if (area == 0.0 || !std::isfinite(area)) return 0;
+        const int sign = area > 0.0 ? 1 : -1;
+        if (turn != 0 && sign != turn) return 0;
+        turn = sign;
+      }
+    }
+  }
+  return turn;
+}
+
+/// Share of inner squares whose grey lies on the right side of their neighbours'.
+double alternating_share(const Grid& grid, const Image& grey) {
+  int right = 0, count = 0;
+  std::array<double, 2> sum{0.0, 0.0};
+  for (int j = 0; j + 1 < grid.rows; ++j) {
+    for (int i = 0; i + 1 < grid.columns; ++i) sum[(i + j) % 2] += square_grey(grid, grey, i, j);
+  }
+  const int dark = sum[0] < sum[1] ? 0 : 1;  // by the sums, near enough: the counts differ by one at most
+  for (int j = 0; j + 1 < grid.rows; ++j) {
+    for (int i = 0; i + 1 < grid.columns; ++i) {
+      const double own = square_grey(grid, grey, i, j);
+      double others = 0.0;
+      int n = 0;
+      for (const auto& [di, dj] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+        if (i + di < 0 || j + dj < 0 || i + di + 1 >= grid.columns || j + dj + 1 >= grid.rows) continue;
+        others += square_grey(grid, grey, i + di, j + dj);
+        ++n;
+      }
+      if (n == 0) continue;
+      ++count;
+      right += ((own < others / n) == ((i + j) % 2 == dark)) ? 1 : 0;
+    }
+  }
+  return count > 0 ? static_cast<double>(right) / count : 0.0;
+}
+
+/// Misfit of corners that no plane can show, squares.
+constexpr double kNoFit = 1e9;
+
+/// Largest distance of a corner from the board's homography plus a smooth bending of it, as a share of the
+/// local square. The bending is a cubic in the board's own coordinates, which takes up what a lens does
+/// across one board; a corner that belongs elsewhere stays out.
+double largest_misfit(const Grid& grid) {
+  std::vector<Eigen::Vector2d> board;
+  for (int j = 0; j < grid.rows; ++j) {
+    for (int i = 0; i < grid.columns; ++i) board.emplace_back(i, j);
+  }
+  const auto fitted = fit_homography(board, grid.px);
+  if (!fitted) return kNoFit;
+  const Eigen::Matrix3d& h = *fitted;
+  const auto n = static_cast<Eigen::Index>(grid.px.size());
+  const bool room_for_cubic = grid.columns > 3 && grid.rows > 3;
+  Eigen::MatrixXd basis(n, room_for_cubic ? 10 : 6), misfit(n, 2);
+  for (int j = 0; j < grid.rows; ++j) {
+    for (int i = 0; i < grid.columns; ++i) {
+      const auto row = static_cast<Eigen::Index>(grid.index(i, j));
+      const double x = 2.0 * i / (grid.columns - 1) - 1.0, y = 2.0 * j / (grid.rows - 1) - 1.0;
+      Eigen::Matrix<double, 10, 1> terms;
+      terms << 1, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y;
+      basis.row(row) = terms.head(basis.cols()).transpose();
+      misfit.row(row) = (grid.at(i, j) - (h * Eigen::Vector3d(i, j, 1.0)).hnormalized()).transpose();
+    }
+  }
+  const Eigen::MatrixXd left = misfit - basis * basis.colPivHouseholderQr().solve(misfit);
+  double worst = 0.0;
+  for (int j = 0; j < grid.rows; ++j) {
+    for (int i = 0; i < grid.columns; ++i) {
+      const double miss =
+          left.row(static_cast<Eigen::Index>(grid.index(i, j))).norm() / nearest_neighbour_px(grid, i, j);
+      worst = std::isfinite(miss) ? std::max(worst, miss) : kNoFit;
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+Grid transposed(const Grid& grid) {
+  Grid out{grid.rows, grid.columns, {}};
+  for (int j = 0; j < out.rows; ++j) {
+    for (int i = 0; i < out.columns; ++i) out.px.push_back(grid.at(j, i));
+  }
+  return out;
+}
+
+Grid reversed_rows(const Grid& grid) {
+  Grid out{grid.columns, grid.rows, {}};
+  for (int j = grid.rows - 1; j >= 0; --j) {
+    for (int i = 0; i < grid.columns; ++i) out.px.push_back(grid.at(i, j));
+  }
+  return out;
+}
+
+Grid reversed_columns(const Grid& grid) {
+  return transposed(reversed_rows(transposed(grid)));
+}
+
+double nearest_neighbour_px(const Grid& grid, int i, int j) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const auto& [di, dj] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+    if (i + di < 0 || j + dj < 0 || i + di >= grid.columns || j + dj >= grid.rows) continue;
+    nearest = std::min(nearest, (grid.at(i + di, j + dj) - grid.at(i, j)).norm());
+  }
+  return nearest;
+}
+
+Grid oriented(const Grid& grid, int columns, int rows, const Image& grey) {
+  std::vector<Grid> ways;
+  for (const Grid& turned : {grid, transposed(grid)}) {
+    if (turned.columns != columns || turned.rows != rows) continue;
+    for (const Grid& way :
+         {turned, reversed_rows(turned), reversed_columns(turned), reversed_rows(reversed_columns(turned))}) {
+      // Pixel v runs down, so a positive turn from x to y puts x cross y away from the camera.
+      if (common_turn(way) > 0) ways.push_back(way);
+    }
+  }
+  if (ways.empty()) return {};
+  const bool any_black =
+      std::any_of(ways.begin(), ways.end(), [&](const Grid& way) { return starts_black(way, grey); });
+  const Grid* best = nullptr;
+  for (const Grid& way : ways) {
+    if (any_black && !starts_black(way, grey)) continue;
+    if (best == nullptr || way.px.front().sum() < best->px.front().sum()) best = &way;
+  }
+  return *best;
+}
+
+std::string grid_fault(const Grid& grid, const Image& grey) {
+  if (common_turn(grid) == 0) return "its squares overlap";
+  // A tenth of a square is an order beyond what refined corners stray, and half of what a corner of the next
+  // thing would.
+  constexpr double kLargestMisfit = 0.1;
+  const double misfit = largest_misfit(grid);
+  if (misfit > kLargestMisfit) {
+    return "a corner lies " + base::format_fixed(misfit, 2) +
+           " squares from where the board's homography puts it";
+  }
+  if (alternating_share(grid, grey) < 1.0) return "its squares do not alternate between dark and bright";
+  return "";
+}
+
+}  // namespace furrow::target
