@@ -20,8 +20,21 @@ struct Shot {
   std::vector<std::string> warnings;
 };
 
-/// Reads EXIF and XMP (drone-dji) of a picture. Errors: file_missing, picture_unreadable. A picture without
-/// metadata is no error.
+/// Reads EXIF and XMP (drone-dji, Pix4D's Camera) of a picture. Errors: file_missing, picture_unreadable. A
+/// picture without metadata is no error. Safe to call from several threads; writes nothing, neither to the
+/// disk
+/// (.aux.xml) nor to stderr.
+/// | latitude, longitude | drone-dji GpsLatitude, GpsLongitude (or GpsLongtitude), else EXIF GPS | |
+/// height_takeoff_m    | drone-dji RelativeAltitude: barometric, zero at take-off | | height_ellipsoid_m  |
+/// drone-dji AbsoluteAltitude with RtkFlag 50 only: else it is pressure altitude       | | gimbal_* |
+/// drone-dji Gimbal*Degree, -90 down; else Camera:Pitch - 90 (Pix4D counts from nadir) | | yaw, pitch, roll
+/// | drone-dji Flight*Degree                                                             | | t_utc_ns |
+/// drone-dji UTCAtExposure, else EXIF GPSDateStamp + GPSTimeStamp                      | | t_camera_local_ns
+/// | EXIF DateTimeOriginal, whole seconds                                                |
 Result<Shot> read_shot(const std::filesystem::path& image);
+
+/// The same shots with the folder's name in front of every shot_id that occurs twice ("left/DJI_0001"), and,
+/// should that not be enough, a number behind.
+std::vector<Shot> with_unique_ids(std::vector<Shot> shots);
 
 }  // namespace furrow::telemetry
