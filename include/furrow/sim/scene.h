@@ -18,31 +18,33 @@ enum class Crop {
 /// The field. Row coordinates: s along row 0 from the world's origin, l to the left, height above the soil.
 struct Field {
   Crop crop = Crop::vine;
-  double azimuth_deg = 62.0;        ///< of the rows (direction of flight), clockwise from north
-  double spacing_m = 3.0;           ///< between row centres
-  double row_height_m = 1.70;       ///< plane of the row tops above the soil: mean first-hit height of the foliage seen from above
-  double half_width_m = 0.60;       ///< half width of the mean silhouette seen from above (half-coverage edge)
-  double base_half_width_m = 0.25;  ///< of the foliage at its lowest; equal to half_width_m for a box, less for a V
-  double foliage_bottom_m = 0.70;   ///< lowest leaves above the soil
-  double leaf_m = 0.11;             ///< diameter of a leaf
-  double leaf_layers = 2.6;         ///< leaf area per envelope area
-  double surface_roughness_m = 0.03;///< one-sigma of leaves about the envelope
-  double width_roughness_m = 0.04;  ///< one-sigma of the envelope's edge along the row
-  double height_roughness_m = 0.03; ///< one-sigma of the envelope's top along the row
-  double density_variation = 0.25;  ///< relative one-sigma of leaf density along the row
-  double plant_spacing_m = 1.5;     ///< between vines (or plants) of a row
-  double gap_probability = 0.03;    ///< of a missing plant
-  double post_spacing_m = 6.0;      ///< between trellis posts; 0: no posts
-  double post_height_m = 1.85;      ///< above the soil
-  int rows_each_side = 40;          ///< rows left and right of row 0
-  double before_m = 20.0;           ///< length of the rows before the first shot
-  double after_m = 140.0;           ///< length of the rows beyond the last shot
-  double curvature_per_m = 0.0;     ///< of row 0, positive to the left; the other rows are parallel curves
-  double slope_along = 0.0;         ///< rise per metre along the rows
-  double slope_across = 0.0;        ///< rise per metre to the left
-  double undulation_m = 0.0;        ///< one-sigma of the terrain's waves
+  double azimuth_deg = 62.0;  ///< of the rows (direction of flight), clockwise from north
+  double spacing_m = 3.0;     ///< between row centres
+  double row_height_m =
+      1.70;  ///< plane of the row tops above the soil: mean first-hit height of the foliage seen from above
+  double half_width_m = 0.60;  ///< half width of the mean silhouette seen from above (half-coverage edge)
+  double base_half_width_m =
+      0.25;  ///< of the foliage at its lowest; equal to half_width_m for a box, less for a V
+  double foliage_bottom_m = 0.70;     ///< lowest leaves above the soil
+  double leaf_m = 0.11;               ///< diameter of a leaf
+  double leaf_layers = 2.6;           ///< leaf area per envelope area
+  double surface_roughness_m = 0.03;  ///< one-sigma of leaves about the envelope
+  double width_roughness_m = 0.04;    ///< one-sigma of the envelope's edge along the row
+  double height_roughness_m = 0.03;   ///< one-sigma of the envelope's top along the row
+  double density_variation = 0.25;    ///< relative one-sigma of leaf density along the row
+  double plant_spacing_m = 1.5;       ///< between vines (or plants) of a row
+  double gap_probability = 0.03;      ///< of a missing plant
+  double post_spacing_m = 6.0;        ///< between trellis posts; 0: no posts
+  double post_height_m = 1.85;        ///< above the soil
+  int rows_each_side = 40;            ///< rows left and right of row 0
+  double before_m = 20.0;             ///< length of the rows before the first shot
+  double after_m = 140.0;             ///< length of the rows beyond the last shot
+  double curvature_per_m = 0.0;       ///< of row 0, positive to the left; the other rows are parallel curves
+  double slope_along = 0.0;           ///< rise per metre along the rows
+  double slope_across = 0.0;          ///< rise per metre to the left
+  double undulation_m = 0.0;          ///< one-sigma of the terrain's waves
   double undulation_wavelength_m = 40.0;
-  double grass_cover = 0.30;        ///< part of the alleys under grass, 0 to 1
+  double grass_cover = 0.30;                           ///< part of the alleys under grass, 0 to 1
   std::vector<double> soil_rgb = {0.27, 0.20, 0.135};  ///< linear reflectance
   std::vector<double> leaf_rgb = {0.068, 0.135, 0.026};
 };
@@ -55,7 +57,7 @@ struct Sun {
 
 /// The checkerboard session.
 struct Boards {
-  int count = 20;  ///< pictures; 0: no session
+  int count = 20;                    ///< pictures; 0: no session
   int corners_x = 9, corners_y = 6;  ///< inner corners
   double square_m = 0.038;
   double max_tilt_deg = 40.0;
@@ -89,7 +91,8 @@ struct Flight {
   std::string start_utc = "2024-06-18 08:41:17.370";  ///< first row of the log
   double speed_mps = 1.0;
   double shot_interval_s = 2.0;
-  bool follow_terrain = true;  ///< heights of the legs are above the soil below; false: above the take-off point
+  bool follow_terrain =
+      true;  ///< heights of the legs are above the soil below; false: above the take-off point
   std::vector<Leg> legs;
   Wander wander;
 };
@@ -104,26 +107,27 @@ struct LogErrors {
   double baro_drift_m = 0.5;  ///< drift from the first to the last row
   double baro_gust_m = 0.10;  ///< one-sigma of correlated pressure noise
   double vps_noise_m = 0.03;
-  double vps_canopy_share = 0.55;  ///< part of the time that the sensor over a row sees leaves and not soil
-  double vps_range_m = 10.0;       ///< beyond it the last value is held
-  double gnss_bias_m = 0.8;        ///< constant horizontal error
-  double gnss_noise_m = 0.25;      ///< one-sigma of slow horizontal error
-  double latency_s = 0.0;          ///< how late values reach the log
+  double vps_canopy_share = 0.55;    ///< part of the time that the sensor over a row sees leaves and not soil
+  double vps_range_m = 10.0;         ///< beyond it the last value is held
+  double gnss_bias_m = 0.8;          ///< constant horizontal error
+  double gnss_noise_m = 0.25;        ///< one-sigma of slow horizontal error
+  double latency_s = 0.0;            ///< how late values reach the log
   double dropout_probability = 0.0;  ///< of a second without rows
-  int extra_photos = 0;            ///< isPhoto marks without a picture, after the last shot
+  int extra_photos = 0;              ///< isPhoto marks without a picture, after the last shot
 };
 
 /// From light to file.
 struct Pictures {
-  double exposure = 1.0;  ///< gain over the nominal exposure
-  double blur_px = 0.55;  ///< one-sigma of the lens
-  double noise = 0.006;   ///< one-sigma at full scale (shot noise), linear light
+  double exposure = 1.0;           ///< gain over the nominal exposure
+  double blur_px = 0.55;           ///< one-sigma of the lens
+  double noise = 0.006;            ///< one-sigma at full scale (shot noise), linear light
   double exposure_time_s = 0.001;  ///< motion blur
   double readout_time_s = 0.0;     ///< rolling shutter, first to last row; 0: global
   int jpeg_quality = 92;
 };
 
-/// The simulator's input. The file form is scene.yaml, section by section with the same names; docs/formulation/simulation.md.
+/// The simulator's input. The file form is scene.yaml, section by section with the same names;
+/// docs/formulation/simulation.md.
 struct Scene {
   std::string name = "scene";
   std::uint64_t seed = 1;

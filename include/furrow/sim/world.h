@@ -15,15 +15,15 @@ namespace furrow::sim {
 struct ShotTruth {
   std::string shot_id;  ///< "shot-0001", also the stem of the picture
   double t_log_s = 0.0;
-  Rigid3 cam_from_world;             ///< world: ENU at the take-off point
-  Eigen::Vector3d x_in_world;        ///< camera centre
-  double along_row_m = 0.0;          ///< s
-  double cross_track_m = 0.0;        ///< camera left of the nearest row
-  int nearest_row = 0;               ///< counted to the left from row 0
+  Rigid3 cam_from_world;               ///< world: ENU at the take-off point
+  Eigen::Vector3d x_in_world;          ///< camera centre
+  double along_row_m = 0.0;            ///< s
+  double cross_track_m = 0.0;          ///< camera left of the nearest row
+  int nearest_row = 0;                 ///< counted to the left from row 0
   double height_above_ground_m = 0.0;  ///< above the soil straight below
   double height_above_canopy_m = 0.0;  ///< above the plane of the row tops straight below
-  geom::Attitude attitude;           ///< against the row's direction at s
-  double heading_deg = 0.0;          ///< of the camera, clockwise from north
+  geom::Attitude attitude;             ///< against the row's direction at s
+  double heading_deg = 0.0;            ///< of the camera, clockwise from north
 };
 
 /// All shots of the flight, in order. The scene must be valid.
@@ -53,7 +53,8 @@ class Renderer {
   const Shared* shared_;
 };
 
-/// cam_from_board of every board picture; board: origin at the first inner corner, x along the columns, y along the rows.
+/// cam_from_board of every board picture; board: origin at the first inner corner, x along the columns, y
+/// along the rows.
 std::vector<Rigid3> true_boards(const Scene& scene);
 
 }  // namespace furrow::sim

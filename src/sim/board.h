@@ -1,0 +1,13 @@
+#pragma once
+#include <cstdint>
+
+#include "furrow/geom/rigid3.h"
+#include "sim/lens.h"
+
+namespace furrow::sim {
+
+/// The light of one board picture: the printed sheet on a grey wall.
+LightImage light_board(const Scene& scene, const RayTable& rays, const Rigid3& cam_from_board,
+                       std::uint64_t key);
+
+}  // namespace furrow::sim

@@ -1,0 +1,466 @@
+#include "sim/canopy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <Eigen/Geometry>
+
+#include "furrow/geom/angles.h"
+#include "sim/noise.h"
+
+namespace furrow::sim {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using geom::deg_to_rad;
+using geom::kPi;
+
+// Where the look of a vineyard is set. None of these enters the mean silhouette, which fit_level() brings to
+// the scene's numbers.
+constexpr double kLeafSizeLow = 0.75, kLeafSizeHigh = 1.2;  // leaf size over the mean one
+constexpr double kLeafTilt = 0.55;    // one-sigma of a leaf's tilt against the envelope, as a slope
+constexpr double kInnerLayers = 1.3;  // leaf area inside the envelope, per envelope area
+constexpr double kInnerLow = 0.45, kInnerHigh = 0.8;  // where, as a part of the envelope's half width
+constexpr double kInnerSize = 1.5;
+constexpr int kFirstLevelWithoutInner = 3;                // from afar nothing is seen between the leaves
+constexpr double kGapRamp_m = 0.25;                       // foliage thins over this length at a gap
+constexpr double kShortWave_m = 0.45, kLongWave_m = 1.7;  // of the envelope's roughness along the row
+constexpr double kTransmitted = 0.45;                     // light through a leaf over light back from it
+constexpr double kExtinction_per_m = 4.0;                 // of the sun inside the canopy
+constexpr int kShadowSteps = 5;
+constexpr double kFitLength_m = 30.0;  // row length on which a level's silhouette is measured
+constexpr int kFitRounds = 3;
+constexpr int kFitRow = 100003;  // a row number that no field has
+
+double smoothstep(double q) {
+  q = std::clamp(q, 0.0, 1.0);
+  return q * q * (3.0 - 2.0 * q);
+}
+
+double rough(std::uint64_t key, double s) {
+  return 0.8 * line_noise(key, s, kShortWave_m) + 0.6 * line_noise(key ^ 0x5151, s, kLongWave_m);
+}
+
+/// Probability that a standard normal exceeds x.
+double normal_above(double x) {
+  return 0.5 * std::erfc(x / std::sqrt(2.0));
+}
+
+Vector3f rgb(const std::vector<double>& c) {
+  return {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])};
+}
+
+}  // namespace
+
+std::array<Eigen::Vector2f, kHexagonCorners> hexagon_outline() {
+  std::array<Eigen::Vector2f, kHexagonCorners> outline;
+  for (int i = 0; i < kHexagonCorners; ++i) {
+    const double angle = 2.0 * kPi * i / kHexagonCorners;
+    outline[static_cast<std::size_t>(i)] = {static_cast<float>(std::cos(angle)),
+                                            static_cast<float>(std::sin(angle))};
+  }
+  return outline;
+}
+
+std::array<Eigen::Vector2f, kLobedCorners> lobed_outline() {
+  // Five lobes of a vine leaf, the one at the stalk shortest; about the hexagon's area.
+  constexpr std::array<double, kLobedCorners> kReach = {1.22, 0.78, 1.12, 0.72, 1.0,
+                                                        0.45, 1.0,  0.72, 1.12, 0.78};
+  std::array<Eigen::Vector2f, kLobedCorners> outline;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const double angle = 2.0 * kPi * static_cast<double>(i) / kLobedCorners;
+    outline[i] = {static_cast<float>(kReach[i] * std::cos(angle)),
+                  static_cast<float>(kReach[i] * std::sin(angle))};
+  }
+  return outline;
+}
+
+Canopy::Canopy(const Scene& scene) : scene_(scene) {
+  for (int level = 0; level < kLevels; ++level) fits_[static_cast<std::size_t>(level)] = fit_level(level);
+}
+
+std::uint64_t Canopy::key(std::uint64_t salt, std::int64_t a, std::int64_t b) const {
+  return base::mix_bits(base::mix_bits(base::mix_bits(scene_.seed ^ salt) + static_cast<std::uint64_t>(a)) +
+                        static_cast<std::uint64_t>(b));
+}
+
+bool Canopy::plant_missing(int row, std::int64_t plant) const {
+  return unit_hash(key(21, row, plant)) < scene_.field.gap_probability;
+}
+
+double Canopy::density(int row, double s) const {
+  const Field& f = scene_.field;
+  const double even = 1.0 + f.density_variation * std::clamp(line_noise(key(22, row), s, 0.8), -2.0, 2.0);
+  const double at = s / f.plant_spacing_m;
+  const auto plant = static_cast<std::int64_t>(std::floor(at));
+  if (plant_missing(row, plant)) {
+    const double from_left_m = (at - static_cast<double>(plant)) * f.plant_spacing_m;
+    const double ramp_m = std::min(kGapRamp_m, 0.5 * f.plant_spacing_m);
+    const double left = plant_missing(row, plant - 1) ? 0.0 : 1.0 - smoothstep(from_left_m / ramp_m);
+    const double right =
+        plant_missing(row, plant + 1) ? 0.0 : 1.0 - smoothstep((f.plant_spacing_m - from_left_m) / ramp_m);
+    return even * std::max(left, right);
+  }
+  return even;
+}
+
+double Canopy::envelope_half_width(double height_m) const {
+  const Field& f = scene_.field;
+  if (height_m < f.foliage_bottom_m || height_m > f.row_height_m) return 0.0;
+  const double q = (height_m - f.foliage_bottom_m) / (f.row_height_m - f.foliage_bottom_m);
+  return f.base_half_width_m + q * (f.half_width_m - f.base_half_width_m);
+}
+
+Vector3d Canopy::to_sun(double direction_rad) const {
+  const double elevation = deg_to_rad(scene_.sun.elevation_deg);
+  // Angle of the sun to the left of the row there.
+  const double left = deg_to_rad(scene_.field.azimuth_deg - scene_.sun.azimuth_deg) - direction_rad;
+  return {std::cos(elevation) * std::cos(left), std::cos(elevation) * std::sin(left), std::sin(elevation)};
+}
+
+double Canopy::sunlight(double s, double l, double height_m, double direction_rad) const {
+  const Field& f = scene_.field;
+  const double low = std::max(height_m + 0.02, f.foliage_bottom_m);
+  if (low >= f.row_height_m) return 1.0;
+  const Vector3d sun = to_sun(direction_rad);
+  const double step_m = (f.row_height_m - low) / kShadowSteps;
+  double depth = 0.0;
+  for (int i = 0; i < kShadowSteps; ++i) {
+    const double h = low + (i + 0.5) * step_m;
+    const double rise = (h - height_m) / sun.z();
+    const double at_l = l + sun.y() * rise, at_s = s + sun.x() * rise;
+    const double row = std::round(at_l / f.spacing_m);
+    if (std::abs(row) > f.rows_each_side) continue;
+    const double inside_m = envelope_half_width(h) - std::abs(at_l - row * f.spacing_m);
+    const double edge = smoothstep(inside_m / 0.12 + 0.5);
+    if (edge > 0.0) depth += edge * density(static_cast<int>(row), at_s) * step_m / sun.z();
+  }
+  return std::exp(-kExtinction_per_m * depth);
+}
+
+Canopy::Surface Canopy::pick_surface(int row, double s, const Fit& fit, bool with_inner,
+                                     base::Random& random) const {
+  const Field& f = scene_.field;
+  const double top = f.row_height_m - fit.drop_m + f.height_roughness_m * rough(key(23, row), s);
+  const bool left = random.uniform() < 0.5;
+  const double edge = std::max(
+      0.02, f.half_width_m - fit.inset_m + f.width_roughness_m * rough(key(left ? 24U : 25U, row), s));
+  const double base_edge = std::min(edge, f.base_half_width_m);
+  const double bottom = std::min(f.foliage_bottom_m + 0.4 * f.leaf_m, top);
+  const double wall = std::hypot(top - bottom, edge - base_edge);
+  Surface at{};
+  at.inner = with_inner && random.uniform() < kInnerLayers / (kInnerLayers + f.leaf_layers);
+  const double side = left ? 1.0 : -1.0;
+  const bool on_top = random.uniform() * (edge + wall) < edge;
+  const double q = random.uniform();  // from the middle to the edge, or from the top down
+  if (on_top) {
+    at.point = {s, side * q * edge, top};
+    at.normal = {0.0, side * 0.25 * q, 1.0};
+  } else {
+    at.point = {s, side * (edge + q * (base_edge - edge)), top + q * (bottom - top)};
+    at.normal = {0.0, side * (top - bottom), 0.4 * (top - bottom) - (edge - base_edge)};
+    at.depth = q;
+  }
+  at.normal.normalize();
+  at.outside = random.normal();
+  if (at.inner) {
+    const double shrink = random.uniform(kInnerLow, kInnerHigh);
+    at.point.y() *= shrink;
+    at.point.z() -= (1.0 - at.depth) * random.uniform(0.5, 2.0) * f.leaf_m;
+  } else {
+    at.point += f.surface_roughness_m * at.outside * at.normal;
+  }
+  return at;
+}
+
+Vector3f Canopy::light_leaf(const Surface& at, const Vector3d& leaf_normal, int row, double direction_rad,
+                            base::Random& random) const {
+  const Field& f = scene_.field;
+  const Vector3d sun = to_sun(direction_rad);
+  // Chance that no leaf of the envelope's own layer stands above this one.
+  const double open = std::exp(-f.leaf_layers * normal_above(at.outside));
+  double lit = random.uniform() < open + 0.25 ? 1.0 : 0.25;
+  if (at.inner) lit *= 0.35;
+  lit *=
+      sunlight(at.point.x(), row * f.spacing_m + at.point.y() + 0.06 * sun.y(), at.point.z(), direction_rad);
+  const double facing = leaf_normal.dot(sun);
+  const double front = std::max(0.0, facing), back = std::max(0.0, -facing);
+  const double sky = (at.inner ? 0.45 : 1.0) * (0.35 + 0.65 * (1.0 - 0.7 * at.depth));
+  const double direct = lit * (front + kTransmitted * back) / sun.z();
+  Vector3f colour = rgb(f.leaf_rgb);
+  // Leaves differ in age: young ones are lighter and yellower, vines differ from each other.
+  const double vine = line_noise(key(26, row), at.point.x(), f.plant_spacing_m);
+  const auto tone = static_cast<float>(std::clamp(1.0 + 0.17 * random.normal() + 0.08 * vine, 0.5, 1.7));
+  const auto yellow = static_cast<float>(std::clamp(0.12 * random.normal() + 0.05 * vine + 0.05, -0.25, 0.6));
+  colour = colour.cwiseProduct(Vector3f(1.0F + yellow, 1.0F + 0.35F * yellow, 1.0F)) * tone;
+  Vector3f light = Vector3f(1.0F, 0.97F, 0.90F) * static_cast<float>(direct) +
+                   Vector3f(0.82F, 0.98F, 1.25F) * static_cast<float>(scene_.sun.diffuse * sky);
+  if (back > 0.0) light = light.cwiseProduct(Vector3f(1.15F, 1.05F, 0.7F));
+  return colour.cwiseProduct(light);
+}
+
+void Canopy::append_vines(int row, int piece, int level, const Fit& fit, bool calibrating,
+                          double direction_rad, std::vector<Leaf>& out) const {
+  const Field& f = scene_.field;
+  const double stretch = kStretch[static_cast<std::size_t>(level)],
+               widen = kWiden[static_cast<std::size_t>(level)];
+  const bool with_inner = level < kFirstLevelWithoutInner;
+  const double wall = std::hypot(f.row_height_m - f.foliage_bottom_m, f.half_width_m - f.base_half_width_m);
+  const double densest = 1.0 + 2.0 * f.density_variation;
+  const double leaf_area = 0.25 * kPi * f.leaf_m * f.leaf_m;
+  const double layers = f.leaf_layers + (with_inner ? kInnerLayers : 0.0);
+  const double wanted =
+      layers * 2.0 * (f.half_width_m + wall) * kPiece_m * densest / (leaf_area * stretch * widen);
+  base::Random random(key(27 + static_cast<std::uint64_t>(level), row, piece));
+  const int count = static_cast<int>(wanted + random.uniform());
+  for (int i = 0; i < count; ++i) {
+    const double s = piece * kPiece_m + random.uniform() * kPiece_m;
+    const double present = calibrating ? 1.0 : density(row, s);
+    if (random.uniform() * densest >= present) continue;
+    const Surface at = pick_surface(row, s, fit, with_inner, random);
+    const double half =
+        0.5 * f.leaf_m * random.uniform(kLeafSizeLow, kLeafSizeHigh) * (at.inner ? kInnerSize : 1.0);
+    Vector3d normal = at.normal + kLeafTilt * Vector3d(random.normal(), random.normal(), random.normal());
+    Leaf leaf;
+    if (level > 0) normal.x() = 0.0;
+    if (normal.norm() < 1e-6) normal = at.normal;
+    normal.normalize();
+    const double turn = random.uniform(0.0, 2.0 * kPi);
+    Vector3d along = level > 0 ? Vector3d::UnitX() : normal.unitOrthogonal();
+    Vector3d across = normal.cross(along);
+    if (level == 0) {
+      const Vector3d turned = std::cos(turn) * along + std::sin(turn) * across;
+      across = std::cos(turn) * across - std::sin(turn) * along;
+      along = turned;
+    }
+    Vector3d centre = at.point;
+    centre.y() += row * f.spacing_m;
+    leaf.centre = centre.cast<float>();
+    leaf.along = (half * stretch * along).cast<float>();
+    leaf.across = (half * widen * across).cast<float>();
+    if (!calibrating) leaf.colour = light_leaf(at, normal, row, direction_rad, random);
+    out.push_back(leaf);
+  }
+}
+
+void Canopy::append_corn(int row, int piece, const Fit& fit, bool calibrating, double direction_rad,
+                         std::vector<Leaf>& out) const {
+  const Field& f = scene_.field;
+  const double reach = std::max(0.01, f.half_width_m - fit.inset_m);
+  const double top = std::max(0.02, f.row_height_m - fit.drop_m);
+  const auto first = static_cast<std::int64_t>(std::ceil(piece * kPiece_m / f.plant_spacing_m));
+  const Vector3d sun = to_sun(direction_rad);
+  for (std::int64_t plant = first; static_cast<double>(plant) * f.plant_spacing_m < (piece + 1) * kPiece_m;
+       ++plant) {
+    if (!calibrating && plant_missing(row, plant)) continue;
+    base::Random random(key(40, row, plant));
+    const double s0 = (static_cast<double>(plant) + 0.15 * random.normal()) * f.plant_spacing_m;
+    const double l0 = 0.08 * f.half_width_m * random.normal();
+    const double size = std::clamp(1.0 + 0.12 * random.normal(), 0.6, 1.4);
+    const int blades = 5 + static_cast<int>(random.below(3));
+    double turn = random.uniform(0.0, 2.0 * kPi);
+    for (int i = 0; i < blades; ++i) {
+      turn += kPi + random.uniform(-0.5, 0.5);  // blades stand on alternate sides
+      const double length = reach * size * (0.75 + 0.5 * (i + 0.5) / blades) * random.uniform(0.85, 1.15);
+      const double rise = top * size * random.uniform(0.8, 1.0);
+      const Vector3d out_dir(std::cos(turn), std::sin(turn), 0.0);
+      const Vector3d wide(-std::sin(turn), std::cos(turn), 0.0);
+      // An arch of three straight pieces: up, over, down.
+      const std::array<Vector3d, 4> spine = {
+          Vector3d(s0, l0, 0.15 * top), Vector3d(s0, l0, 0.75 * rise) + 0.3 * length * out_dir,
+          Vector3d(s0, l0, rise) + 0.7 * length * out_dir, Vector3d(s0, l0, 0.75 * rise) + length * out_dir};
+      const std::array<double, 3> half_width = {0.5 * f.leaf_m, 0.5 * f.leaf_m, 0.3 * f.leaf_m};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vector3d step = 0.5 * (spine[k + 1] - spine[k]);
+        Vector3d normal = step.cross(wide);
+        normal.normalize();
+        if (normal.z() < 0.0) normal = -normal;
+        Leaf leaf;
+        Vector3d centre = 0.5 * (spine[k + 1] + spine[k]);
+        leaf.shape = Shape::blade;
+        const double facing = normal.dot(sun) / sun.z();
+        const double direct = facing > 0.0 ? facing : -kTransmitted * facing;
+        const auto light = static_cast<float>(direct + scene_.sun.diffuse * (0.4 + 0.6 * centre.z() / top));
+        leaf.colour = rgb(f.leaf_rgb) * light * static_cast<float>(random.uniform(0.8, 1.25));
+        centre.y() += row * f.spacing_m;
+        leaf.centre = centre.cast<float>();
+        leaf.along = step.cast<float>();
+        leaf.across = (half_width[k] * wide).cast<float>();
+        out.push_back(leaf);
+      }
+    }
+  }
+}
+
+void Canopy::append_wood(int row, int piece, double direction_rad, std::vector<Leaf>& out) const {
+  const Field& f = scene_.field;
+  const Vector3d sun = to_sun(direction_rad);
+  // Round wood as two crossed boards, cut into short lengths so that one depth serves each.
+  const auto stand = [&](double s, double l, double low, double high, double half_m, const Vector3f& colour) {
+    constexpr double kCut_m = 0.2;
+    const int cuts = std::max(1, static_cast<int>((high - low) / kCut_m));
+    const double half_cut = 0.5 * (high - low) / cuts;
+    for (int i = 0; i < cuts; ++i) {
+      const double h = low + (2 * i + 1) * half_cut;
+      const double lit = 0.6 * sunlight(s, row * f.spacing_m + l, h, direction_rad) / std::max(0.3, sun.z());
+      for (const Vector3f& wide : {Vector3f(0, 1, 0), Vector3f(1, 0, 0)}) {
+        Leaf leaf;
+        leaf.shape = Shape::blade;
+        leaf.centre = Vector3d(s, row * f.spacing_m + l, h).cast<float>();
+        leaf.along = Vector3f(0, 0, static_cast<float>(half_cut));
+        leaf.across = static_cast<float>(half_m) * wide;
+        leaf.colour = colour * static_cast<float>(lit + scene_.sun.diffuse * 0.7);
+        out.push_back(leaf);
+      }
+    }
+  };
+  const double from = piece * kPiece_m, to = from + kPiece_m;
+  for (auto i = static_cast<std::int64_t>(std::ceil(from / f.plant_spacing_m - 0.5));
+       (static_cast<double>(i) + 0.5) * f.plant_spacing_m < to; ++i) {
+    if (plant_missing(row, i)) continue;
+    const double s =
+        (static_cast<double>(i) + 0.5) * f.plant_spacing_m + 0.06 * (unit_hash(key(30, row, i)) - 0.5);
+    stand(s, 0.05 * (unit_hash(key(31, row, i)) - 0.5), 0.0, f.foliage_bottom_m + 0.15, 0.028,
+          {0.10F, 0.075F, 0.05F});
+  }
+  if (f.post_spacing_m <= 0.0) return;
+  for (auto i = static_cast<std::int64_t>(std::ceil(from / f.post_spacing_m));
+       static_cast<double>(i) * f.post_spacing_m < to; ++i) {
+    stand(static_cast<double>(i) * f.post_spacing_m, 0.0, 0.0, f.post_height_m, 0.035, {0.30F, 0.28F, 0.25F});
+  }
+}
+
+void Canopy::append_piece(int row, int piece, int level, double direction_rad, std::vector<Leaf>& out) const {
+  const Fit& fit = fits_[static_cast<std::size_t>(std::clamp(level, 0, kLevels - 1))];
+  if (scene_.field.crop == Crop::corn) {
+    append_corn(row, piece, fit, false, direction_rad, out);
+    return;
+  }
+  append_vines(row, piece, level, fit, false, direction_rad, out);
+  if (level < 3) append_wood(row, piece, direction_rad, out);
+}
+
+Canopy::Fit Canopy::fit_level(int level) const {
+  const Field& f = scene_.field;
+  // Corn has one level: a plant is a plant.
+  if (f.crop == Crop::corn && level > 0) return fits_[0];
+  Fit fit;
+  for (int round = 0; round < kFitRounds; ++round) {
+    std::vector<Leaf> leaves;
+    // Three metres beyond both ends, so that long leaves cover the ends as they cover the middle.
+    for (int piece = -3; piece < static_cast<int>(kFitLength_m) + 3; ++piece) {
+      if (f.crop == Crop::corn) {
+        append_corn(0, piece, fit, true, 0.0, leaves);
+      } else {
+        append_vines(0, piece, level, fit, true, 0.0, leaves);
+      }
+    }
+    const Silhouette seen = measure_silhouette(leaves, kFitLength_m, f.half_width_m);
+    fit.inset_m += seen.half_width_m - f.half_width_m;
+    fit.drop_m += seen.top_m - f.row_height_m;
+  }
+  return fit;
+}
+
+namespace {
+
+constexpr double kGridAlong_m = 0.05, kGridAcross_m = 0.01;
+
+/// Heights of the first hit from above on a grid; NaN-free: 0 where nothing is hit.
+struct HeightGrid {
+  int along, across;
+  double half_extent_m;
+  std::vector<float> top;
+};
+
+void drop_leaf(const Leaf& leaf, HeightGrid& grid) {
+  static const auto kHexagon = hexagon_outline();
+  static const std::array<Eigen::Vector2f, 4> kSquare = {Eigen::Vector2f(-1, -1), Eigen::Vector2f(1, -1),
+                                                         Eigen::Vector2f(1, 1), Eigen::Vector2f(-1, 1)};
+  const Eigen::Vector2f* outline = leaf.shape == Shape::leaf ? kHexagon.data() : kSquare.data();
+  const int corners = leaf.shape == Shape::leaf ? kHexagonCorners : 4;
+  // The leaf's plane seen from above: invert (s, l) = centre + a along + b across.
+  Eigen::Matrix2f axes;
+  axes << leaf.along.x(), leaf.across.x(), leaf.along.y(), leaf.across.y();
+  const float det = axes.determinant();
+  if (std::abs(det) < 1e-9F) return;
+  const Eigen::Matrix2f back = axes.inverse();
+  const Eigen::Vector3d centre = leaf.centre.cast<double>();
+  const double reach_s = static_cast<double>(std::abs(leaf.along.x()) + std::abs(leaf.across.x()));
+  const double reach_l = static_cast<double>(std::abs(leaf.along.y()) + std::abs(leaf.across.y()));
+  const auto index = [](double x, double step) { return static_cast<int>(std::floor(x / step)); };
+  const int i0 = std::max(0, index(centre.x() - reach_s, kGridAlong_m));
+  const int i1 = std::min(grid.along - 1, index(centre.x() + reach_s, kGridAlong_m));
+  const int j0 = std::max(0, index(centre.y() - reach_l + grid.half_extent_m, kGridAcross_m));
+  const int j1 = std::min(grid.across - 1, index(centre.y() + reach_l + grid.half_extent_m, kGridAcross_m));
+  for (int i = i0; i <= i1; ++i) {
+    for (int j = j0; j <= j1; ++j) {
+      const Eigen::Vector2f at(static_cast<float>((i + 0.5) * kGridAlong_m),
+                               static_cast<float>((j + 0.5) * kGridAcross_m - grid.half_extent_m));
+      const Eigen::Vector2f ab = back * (at - leaf.centre.head<2>());
+      bool inside = true;
+      for (int k = 0; k < corners && inside; ++k) {
+        const Eigen::Vector2f p = outline[k], q = outline[(k + 1) % corners];
+        inside = (q.x() - p.x()) * (ab.y() - p.y()) - (q.y() - p.y()) * (ab.x() - p.x()) >= 0.0F;
+      }
+      if (!inside) continue;
+      const float height = leaf.centre.z() + ab.x() * leaf.along.z() + ab.y() * leaf.across.z();
+      float& top = grid.top[static_cast<std::size_t>(i) * static_cast<std::size_t>(grid.across) +
+                            static_cast<std::size_t>(j)];
+      top = std::max(top, height);
+    }
+  }
+}
+
+/// Where coverage, going outwards, falls through half of its middle value for the last time.
+double half_cover_edge(const std::vector<double>& cover, bool left) {
+  const int count = static_cast<int>(cover.size());
+  const int middle = count / 2;
+  double inside = 0.0;
+  const int core = std::max(1, count / 16);
+  for (int j = middle - core; j < middle + core; ++j)
+    inside += cover[static_cast<std::size_t>(j)] / (2.0 * core);
+  const int step = left ? 1 : -1;
+  int j = left ? count - 1 : 0;
+  while (j != middle && cover[static_cast<std::size_t>(j)] < 0.5 * inside) j -= step;
+  const double here = cover[static_cast<std::size_t>(j)];
+  const int next_index = std::clamp(j + step, 0, count - 1);
+  const double next = cover[static_cast<std::size_t>(next_index)];
+  const double part = here > next ? (here - 0.5 * inside) / (here - next) : 0.0;
+  return std::abs((j + step * std::clamp(part, 0.0, 1.0) + 0.5) - 0.5 * count) * kGridAcross_m;
+}
+
+}  // namespace
+
+Silhouette measure_silhouette(const std::vector<Leaf>& leaves, double length_m, double nominal_half_width_m) {
+  HeightGrid grid;
+  grid.half_extent_m = 2.0 * nominal_half_width_m + 0.3;
+  grid.along = static_cast<int>(length_m / kGridAlong_m);
+  grid.across = 2 * static_cast<int>(grid.half_extent_m / kGridAcross_m);
+  grid.half_extent_m = 0.5 * grid.across * kGridAcross_m;
+  grid.top.assign(static_cast<std::size_t>(grid.along) * static_cast<std::size_t>(grid.across), 0.0F);
+  for (const Leaf& leaf : leaves) drop_leaf(leaf, grid);
+
+  std::vector<double> cover(static_cast<std::size_t>(grid.across), 0.0);
+  double sum = 0.0;
+  std::size_t hits = 0;
+  for (int i = 0; i < grid.along; ++i) {
+    for (int j = 0; j < grid.across; ++j) {
+      const float top = grid.top[static_cast<std::size_t>(i) * static_cast<std::size_t>(grid.across) +
+                                 static_cast<std::size_t>(j)];
+      if (top <= 0.0F) continue;
+      cover[static_cast<std::size_t>(j)] += 1.0 / grid.along;
+      const double l = (j + 0.5) * kGridAcross_m - grid.half_extent_m;
+      if (std::abs(l) < 0.8 * nominal_half_width_m) {
+        sum += static_cast<double>(top);
+        ++hits;
+      }
+    }
+  }
+  Silhouette seen;
+  seen.half_width_m = 0.5 * (half_cover_edge(cover, true) + half_cover_edge(cover, false));
+  seen.top_m = hits > 0 ? sum / static_cast<double>(hits) : 0.0;
+  return seen;
+}
+
+}  // namespace furrow::sim
