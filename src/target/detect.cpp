@@ -13,9 +13,11 @@
 namespace furrow::target {
 namespace {
 
-/// Half the window of a corner's refinement, as a share of the distance to its nearest neighbour: wide enough
-/// for all of its four edges, not so wide that a neighbour's edges enter.
-constexpr double kWindowShare = 0.4;
+/// Half the window of a corner's refinement, as a share of the distance to its nearest neighbour. Wide
+/// windows average more noise; but the outermost squares of many boards are cut to half, and their far edges
+/// must stay out. Where even this finds no corner (an edge of the picture, a stain), the narrower ones are
+/// tried.
+constexpr double kWindowShares[] = {0.25, 0.18, 0.12};
 /// Smaller squares than this leave no gradients of their own to each corner, px.
 constexpr double kSmallestSquarePx = 5.0;
 
@@ -41,9 +43,11 @@ Refined refine(const Grid& start, const Image& grey, double noise) {
   for (int j = 0; j < start.rows; ++j) {
     for (int i = 0; i < start.columns; ++i) {
       const double square_px = nearest_neighbour_px(start, i, j);
-      const auto corner = square_px < kSmallestSquarePx
-                              ? std::nullopt
-                              : refine_corner(grey, start.at(i, j), kWindowShare * square_px, noise);
+      std::optional<RefinedCorner> corner;
+      for (const double share : kWindowShares) {
+        if (corner || square_px < kSmallestSquarePx) break;
+        corner = refine_corner(grey, start.at(i, j), share * square_px, noise);
+      }
       if (!corner) {
         out.fault =
             "corner " + std::to_string(i) + "," + std::to_string(j) + " is not sharp enough to refine";
