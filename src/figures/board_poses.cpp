@@ -8,8 +8,8 @@
 #include <Eigen/Geometry>
 #include <numeric>
 
-#include "figures/canvas.h"
 #include "figures/finish.h"
+#include "figures/font.h"
 #include "figures/plot.h"
 #include "furrow/base/text.h"
 #include "furrow/figures/figures.h"
@@ -182,8 +182,8 @@ void draw_scale(Drawing& drawing, const View3& view, const Room& room, const Sca
                                  kTickTextPt, kInk, scale.align});
   }
   at[scale.axis] = 0.5 * (room.low[scale.axis] + room.high[scale.axis]);
-  const double sideways = (scale.align == Align::end ? -1.0 : 1.0) * (widest + 0.5 * kAxisTextPt);
-  const double down = scale.upward ? 0.0 : 1.5 * kAxisTextPt;
+  const double sideways = (scale.align == Align::end ? -1.0 : 1.0) * (widest + 1.2 * kAxisTextPt);
+  const double down = scale.upward ? 0.0 : 1.0 * kAxisTextPt;
   drawing.items.push_back(Text{view.map(at) + scale.aside + Point(sideways, down), scale.text, kAxisTextPt,
                                kInk, scale.upward ? Align::middle : scale.align, false, scale.upward});
 }
@@ -283,7 +283,7 @@ Result<Figure> board_poses(const calib::Calibration& calibration, const FigureOp
   const std::vector<BoardDrawn> boards = boards_of(calibration);
   if (boards.empty()) return nothing_to_draw(name, "a calibration without a used view", "at least one");
 
-  constexpr double kMostHeightMm = 105.0, kScalesPt = 34.0, kColourBarPt = 46.0, kFootPt = 16.0;
+  constexpr double kMostHeightMm = 105.0, kScalesPt = 42.0, kColourBarPt = 46.0, kFootPt = 16.0;
   FURROW_TRY(Drawing drawing, paper(options, kMostHeightMm));
   const Room room = room_around(boards);
   View3 view = standard_view();

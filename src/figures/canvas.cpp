@@ -5,7 +5,6 @@
 #include <vtkContextActor.h>
 #include <vtkContextItem.h>
 #include <vtkContextScene.h>
-#include <vtkFreeTypeTools.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
@@ -24,6 +23,7 @@
 #include <mutex>
 #include <sstream>
 
+#include "figures/font.h"
 #include "figures/gl_window.h"
 #include "figures/utf8.h"
 #include "furrow/base/file.h"
@@ -32,11 +32,6 @@
 namespace furrow::figures {
 namespace {
 
-// fonts-dejavu-core. VTK's built-in font has no Greek letters.
-constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
-constexpr const char* kBoldFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf";
-
-constexpr double kFontUnitsPerEm = 2048.0;  // of DejaVu Sans
 constexpr double kPointsPerInch = 72.0;
 constexpr double kMmPerInch = 25.4;
 /// Units of the SVG's view box per point: whole-numbered font sizes stay fine enough, and coordinates short.
@@ -144,7 +139,7 @@ class DrawingItem : public vtkContextItem {
     property.SetOpacity(text.colour.a / 255.0);
     property.SetOrientation(text.upward ? 90.0 : 0.0);
     const double share = text.align == Align::start ? 0.0 : text.align == Align::middle ? 0.5 : 1.0;
-    const double along_pt = -share * text_width(text.text, text.size_pt, text.bold);
+    const double along_pt = -share * text_width_pt(text.text, text.size_pt, text.bold);
     const double down_pt = kDescent * text.size_pt;
     const Point corner = text.anchor + (text.upward ? Point(down_pt, -along_pt) : Point(along_pt, down_pt));
     painter.DrawString(static_cast<float>(corner.x() * scale),
@@ -162,28 +157,8 @@ class DrawingItem : public vtkContextItem {
           pictures[i]);
     }
   }
-
- public:
-  /// As text_width_pt, for callers that hold the mutex.
-  static double text_width(const std::string& text, double size_pt, bool bold);
 };
 vtkStandardNewMacro(DrawingItem);
-
-double DrawingItem::text_width(const std::string& text, double size_pt, bool bold) {
-  vtkNew<vtkTextProperty> property;
-  constexpr int kUnscaled = 0;
-  set_font(*property, kUnscaled, bold);
-  auto& fonts = *vtkFreeTypeTools::GetInstance();
-  double units = 0.0;
-  vtkUnicodeStringValueType previous = 0;
-  for (const char32_t code : characters(text)) {
-    const auto glyph = static_cast<vtkUnicodeStringValueType>(code);
-    units += fonts.GetUnscaledGlyphOutline(property, glyph).HorizAdvance;
-    if (previous != 0) units += fonts.GetUnscaledKerning(property, previous, glyph)[0];
-    previous = glyph;
-  }
-  return size_pt * units / kFontUnitsPerEm;
-}
 
 vtkSmartPointer<vtkImageData> texture(const Image& rgb) {
   auto data = vtkSmartPointer<vtkImageData>::New();
@@ -385,11 +360,6 @@ Status check_font() {
 }
 
 }  // namespace
-
-double text_width_pt(const std::string& text, double size_pt, bool bold) {
-  const std::scoped_lock lock(vtk_mutex());
-  return DrawingItem::text_width(text, size_pt, bold);
-}
 
 Result<Rendered> render(const Drawing& drawing, double dpi, const std::string& title,
                         const std::string& description) {

@@ -6,13 +6,6 @@
 
 namespace furrow::figures {
 
-/// Height of a capital letter over the base line, and depth of a descender under it, in ems of DejaVu Sans.
-inline constexpr double kCapHeight = 0.729;
-inline constexpr double kDescent = 0.236;
-
-/// Width of one line of text. 0 when the font is missing; render() then says so.
-double text_width_pt(const std::string& text, double size_pt, bool bold = false);
-
 /// A drawing in both its forms.
 struct Rendered {
   std::string png;

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "figures/canvas.h"
+#include "figures/font.h"
 
 namespace furrow::figures {
 namespace {

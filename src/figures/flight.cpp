@@ -135,7 +135,7 @@ Result<Figure> draw_over_shots(OverShots wanted, const std::vector<ShotRecord>& 
   // The first curve is the one that matters: it is painted last, over the others.
   std::reverse(series.begin(), series.end());
   if (const int beyond = draw_series(drawing, frame, series); beyond > 0) {
-    wanted.caption += " Arrow heads at the frame: " + count_of(static_cast<std::size_t>(beyond), "value") +
+    wanted.caption += " Arrows at the frame: " + count_of(static_cast<std::size_t>(beyond), "value") +
                       " beyond the axis (numbers in the data table).";
   }
   return finish(wanted.name, wanted.caption, drawing, table_of(records, wanted.curves), options);

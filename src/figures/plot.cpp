@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "figures/canvas.h"
+#include "figures/font.h"
 #include "furrow/base/text.h"
 
 namespace furrow::figures {
@@ -112,12 +112,14 @@ void draw_line(Drawing& drawing, const Frame& frame, const Series& series) {
   }
 }
 
-/// An arrow head at the end of the axis for a value beyond it.
+/// An arrow at the end of the axis for a value beyond it.
 void draw_beyond(Drawing& drawing, const Frame& frame, double x, bool above, Colour colour) {
-  constexpr double kHalfPt = 2.6;
-  const Point tip = frame.map(x, above ? frame.y.high : frame.y.low);
-  const double inwards = above ? 2 * kHalfPt : -2 * kHalfPt;
-  drawing.items.push_back(Fill{{tip, tip + Point(kHalfPt, inwards), tip + Point(-kHalfPt, inwards)}, colour});
+  constexpr double kLengthPt = 8.0, kHeadPt = 2.6, kPenPt = 1.1;
+  const double inwards = above ? 1.0 : -1.0;
+  const Point tip = frame.map(x, above ? frame.y.high : frame.y.low) + Point(0, inwards);
+  const Point wing(kHeadPt, inwards * kHeadPt * 1.2), other_wing(-wing.x(), wing.y());
+  drawing.items.push_back(Stroke{{tip, tip + Point(0, inwards * kLengthPt)}, colour, kPenPt});
+  drawing.items.push_back(Stroke{{tip + wing, tip, tip + other_wing}, colour, kPenPt});
 }
 
 int draw_markers(Drawing& drawing, const Frame& frame, const Series& series) {
@@ -276,10 +278,10 @@ void draw_colour_bar(Drawing& drawing, const Point& top_left, double height_pt, 
   constexpr int kSteps = 64;
   constexpr double kWidthPt = 8.0;
   const Frame frame{top_left, top_left + Point(kWidthPt, height_pt), {"", 0.0, 1.0, {}}, axis};
-  for (int i = 0; i < kSteps; ++i) {
-    const double t0 = static_cast<double>(i) / kSteps, t1 = static_cast<double>(i + 1) / kSteps;
-    const auto y = [&](double t) { return top_left.y() + (1.0 - t) * height_pt; };
-    add_rectangle(drawing, {top_left.x(), y(t1)}, {top_left.x() + kWidthPt, y(t0)}, viridis(0.5 * (t0 + t1)));
+  // From the top, each down to the foot: rectangles that only touch would leave hairlines between them.
+  for (int i = kSteps; i > 0; --i) {
+    const double top = top_left.y() + height_pt * (1.0 - static_cast<double>(i) / kSteps);
+    add_rectangle(drawing, {top_left.x(), top}, frame.bottom_right, viridis((i - 0.5) / kSteps));
   }
   add_frame(drawing, frame.top_left, frame.bottom_right, kInk, kAxisPenPt);
   for (const double value : axis.ticks.values) {

@@ -69,7 +69,7 @@ struct Frame {
 Frame draw_axes(Drawing& drawing, const Point& outer_top_left, const Point& outer_bottom_right, const Axis& x,
                 const Axis& y, bool vertical_grid = false);
 
-/// Draws bands first, then lines, then markers. Values beyond the y axis become arrow heads at its end;
+/// Draws bands first, then lines, then markers. Values beyond the y axis become arrows at its end;
 /// returns how many.
 int draw_series(Drawing& drawing, const Frame& frame, const std::vector<Series>& series);
 

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "figures/canvas.h"
 #include "figures/finish.h"
+#include "figures/font.h"
 #include "figures/plot.h"
 #include "furrow/base/text.h"
 #include "furrow/figures/figures.h"

@@ -1,7 +1,7 @@
 #pragma once
 // Plausible inputs for figures and reports, the same in every run.
-#include <Eigen/Geometry>
 #include <cmath>
+#include <Eigen/Geometry>
 #include <string>
 #include <vector>
 
@@ -13,8 +13,8 @@
 
 namespace furrow::samples {
 
-/// A flight like the thesis's: 3, 4 and 5 m above ground over rows of 1.7 m, a log with a slow drift, VPS that jumps between canopy and
-/// soil, shots without rows, and a thesis formula with wild values.
+/// A flight like the thesis's: 3, 4 and 5 m above ground over rows of 1.7 m, a log with a slow drift, VPS
+/// that jumps between canopy and soil, shots without rows, and a thesis formula with wild values.
 inline std::vector<audit::ShotRecord> flight(std::size_t shots = 48) {
   base::Random random(7);
   std::vector<audit::ShotRecord> records;
@@ -71,10 +71,10 @@ inline calib::Calibration calibration(std::size_t views = 14) {
     view.used = i != 4 && i != 9;
     if (view.used) {
       const Eigen::Vector3d turn(random.normal(0, 0.35), random.normal(0, 0.35), random.normal(0, 0.15));
-      view.cam_from_board.rotation =
-          Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+      view.cam_from_board.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
       const double z = random.uniform(0.5, 1.6);
-      view.cam_from_board.translation = {-0.15 + 0.3 * z * random.normal(0, 0.6), -0.1 + 0.2 * z * random.normal(0, 0.6), z};
+      view.cam_from_board.translation = {-0.15 + 0.3 * z * random.normal(0, 0.6),
+                                         -0.1 + 0.2 * z * random.normal(0, 0.6), z};
       view.mean_error_px = random.uniform(0.11, 0.3);
       view.rms_px = 1.15 * view.mean_error_px;
       sum += view.mean_error_px;
@@ -126,8 +126,10 @@ inline FieldPicture field(int width = 1280, int height = 720, double horizon_v =
       }
       const double place = (u - vanishing_u) / (spacing_at_foot * share);
       const double off = std::abs(place - std::round(place));
-      if (off < 0.2) set(45, 105, 35);
-      else set(150, 120, 85);
+      if (off < 0.2)
+        set(45, 105, 35);
+      else
+        set(150, 120, 85);
     }
   }
   made.lines.method = "field";
@@ -151,7 +153,8 @@ inline FieldPicture field(int width = 1280, int height = 720, double horizon_v =
         sample.right_u_px = sample.centre_px.x() + half;
         sample.edge_sigma_px = 3.0;
       }
-      if (sample.centre_px.x() > -0.2 * width && sample.centre_px.x() < 1.2 * width) row.samples.push_back(sample);
+      if (sample.centre_px.x() > -0.2 * width && sample.centre_px.x() < 1.2 * width)
+        row.samples.push_back(sample);
     }
     made.lines.rows.push_back(row);
   }

@@ -1,0 +1,59 @@
+#include "furrow/report/page.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "figures/samples.h"
+#include "furrow/base/file.h"
+
+namespace furrow::report {
+namespace {
+
+Page sample_page() {
+  const auto records = samples::flight();
+  const auto calibration = samples::calibration();
+  const auto field = samples::field();
+  Page page;
+  page.title = "Vineyard, three heights";
+  page.subtitle = "48 shots, 14 pictures of the board, one AirData log";
+  page.summary = {"A height above the canopy for 43 of 48 shots, 0.08 m one sigma on average.",
+                  "The log reads 0.12 m too high by the end of the flight."};
+  Section camera;
+  camera.title = "Camera";
+  camera.paragraphs = {"Calibrated from 12 of 14 pictures at 1280x720."};
+  camera.findings = {{"calibration.rms", "Reprojection error", audit::Verdict::pass, "0.26 px",
+                      "at most 1 px", "12 views, 648 corners."}};
+  camera.figures = {figures::reprojection_bars(calibration).value(), figures::board_poses(calibration).value()};
+  Section heights;
+  heights.title = "Heights";
+  heights.findings = {{"heights.log_agreement", "Log against pictures", audit::Verdict::fail, "0.31 m",
+                       "at most 0.25 m", "Worst in shots 40 to 48."},
+                      {"heights.pitch", "Gimbal pitch", audit::Verdict::not_assessed, "", "at most 1.5 deg",
+                       "Not assessed, because the log has no pitch."}};
+  heights.figures = {figures::heights_over_shots(records, 1.7).value(), figures::pitch_over_shots(records).value(),
+                     figures::row_overlay(field.picture, field.lines, "shot-1003").value()};
+  heights.tables = {
+      {"Agreement by height",
+       {"",
+        {"flight", "mean / m", "error / m", "sd / m"},
+        {{"3 m", "3.02", "0.02", "0.05"}, {"4 m", "4.01", "0.01", "0.07"}},
+        {},
+        {}},
+       false},
+      {"All shots", audit::ShotRecord{}.shot_id.empty() ? heights.figures[0].data : base::CsvTable{}, true}};
+  page.sections = {camera, heights};
+  page.provenance = {{"furrow", "0.1.0"}, {"airdata.csv", "sha256 " + base::sha256_hex("airdata")}};
+  return page;
+}
+
+TEST(Report, Draft) {
+  const std::string html = to_html(sample_page());
+  EXPECT_GT(html.size(), 1000u);
+  if (const char* folder = std::getenv("FURROW_FIGURES_OUT")) {
+    ASSERT_TRUE(base::write_file(std::filesystem::path(folder) / "report.html", html).ok());
+  }
+}
+
+}  // namespace
+}  // namespace furrow::report
