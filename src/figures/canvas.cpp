@@ -36,9 +36,10 @@ constexpr double kPointsPerInch = 72.0;
 constexpr double kMmPerInch = 25.4;
 /// Units of the SVG's view box per point: whole-numbered font sizes stay fine enough, and coordinates short.
 constexpr double kSvgUnitsPerPt = 20.0;
-/// The PNG is painted this many times larger and averaged: smooth edges for lines, fills and text alike.
-constexpr int kSupersampling = 2;
-/// Largest texture side that every OpenGL 3.2 software renderer offers.
+/// The PNG is painted up to this many times larger and averaged: smooth edges for lines, fills and text
+/// alike. On a software renderer that is faster than multisampling for the same smoothness.
+constexpr int kMostSupersampling = 3;
+/// Side of a texture that any OpenGL 3.2 renderer in use today offers (Mesa's software renderer: 16384).
 constexpr int kLargestSidePx = 8192;
 constexpr int kJpegQuality = 88;
 
@@ -179,22 +180,31 @@ Image as_rgb(const Image& picture) {
   return rgb;
 }
 
-/// Mean of each kSupersampling x kSupersampling block, turned the right way up.
-Image average_down(const vtkUnsignedCharArray& pixels, int width, int height) {
+/// How many times larger a PNG of that size is painted.
+int supersampling(int width, int height) {
+  return std::clamp(kLargestSidePx / std::max(width, height), 1, kMostSupersampling);
+}
+
+/// Mean of each block of `times` x `times` pixels, turned the right way up.
+Image average_down(const std::uint8_t* pixels, int width, int height, int times) {
   Image small = image::make_image(width, height, 3);
-  const int wide = width * kSupersampling;
-  const auto* from = const_cast<vtkUnsignedCharArray&>(pixels).GetPointer(0);
+  const std::size_t wide_bytes = static_cast<std::size_t>(width) * static_cast<std::size_t>(times) * 3;
+  const int count = times * times;
+  std::vector<int> sums(wide_bytes);
   for (int v = 0; v < height; ++v) {
-    for (int u = 0; u < width; ++u) {
-      int sum[3] = {0, 0, 0};
-      for (int block = 0; block < kSupersampling * kSupersampling; ++block) {
-        const std::ptrdiff_t row = (height - 1 - v) * kSupersampling + block / kSupersampling;
-        const std::ptrdiff_t column = u * kSupersampling + block % kSupersampling;
-        for (int c = 0; c < 3; ++c) sum[c] += from[(row * wide + column) * 3 + c];
-      }
-      constexpr int kCount = kSupersampling * kSupersampling;
+    std::fill(sums.begin(), sums.end(), 0);
+    for (int row = 0; row < times; ++row) {
+      const std::uint8_t* from =
+          pixels + wide_bytes * static_cast<std::size_t>((height - 1 - v) * times + row);
+      for (std::size_t i = 0; i < wide_bytes; ++i) sums[i] += from[i];
+    }
+    std::uint8_t* to = small.at(0, v);
+    const int* block = sums.data();
+    for (int u = 0; u < width; ++u, to += 3, block += 3 * times) {
       for (int c = 0; c < 3; ++c) {
-        small.at(u, v)[c] = static_cast<std::uint8_t>((sum[c] + kCount / 2) / kCount);
+        int sum = count / 2;
+        for (int column = 0; column < times; ++column) sum += block[3 * column + c];
+        to[c] = static_cast<std::uint8_t>(sum / count);
       }
     }
   }
@@ -214,7 +224,7 @@ Result<Renderer*> renderer() {
     FURROW_TRY(auto context, SurfacelessContext::create());
     made = new Renderer{std::move(context), vtkSmartPointer<BorrowedContextWindow>::New()};
     made->window->SetOwnContext(0);
-    made->window->SetMultiSamples(4);
+    made->window->SetMultiSamples(0);
     made->window->SetOffScreenRendering(1);
     made->window->SetDPI(static_cast<int>(kPointsPerInch));
   }
@@ -239,13 +249,14 @@ Result<Image> paint_pixels(const Drawing& drawing, double px_per_pt, int width, 
     return Error{"no_renderer", "figures", "the OpenGL context was lost",
                  "a context that can be made current", ""};
   }
+  const int times = supersampling(width, height);
   vtkNew<DrawingItem> item;
   item->drawing = &drawing;
-  item->scale = px_per_pt * kSupersampling;
-  item->height = height * kSupersampling;
+  item->scale = px_per_pt * times;
+  item->height = height * times;
   for (const Image& picture : pictures) item->pictures.push_back(texture(picture));
 
-  gl->window->SetSize(width * kSupersampling, height * kSupersampling);
+  gl->window->SetSize(width * times, height * times);
   vtkNew<vtkRenderer> layer;
   layer->SetBackground(1.0, 1.0, 1.0);
   vtkNew<vtkContextScene> scene;
@@ -258,15 +269,13 @@ Result<Image> paint_pixels(const Drawing& drawing, double px_per_pt, int width, 
   gl->window->Render();
   vtkNew<vtkUnsignedCharArray> pixels;
   constexpr int kBackBuffer = 0;
-  gl->window->GetPixelData(0, 0, width * kSupersampling - 1, height * kSupersampling - 1, kBackBuffer,
-                           pixels.Get(), 0);
+  gl->window->GetPixelData(0, 0, width * times - 1, height * times - 1, kBackBuffer, pixels.Get(), 0);
   gl->window->RemoveRenderer(layer);
   gl->context->release();
-  const auto wanted = static_cast<vtkIdType>(width) * height * kSupersampling * kSupersampling * 3;
-  if (pixels->GetNumberOfValues() != wanted) {
+  if (pixels->GetNumberOfValues() != static_cast<vtkIdType>(width) * height * times * times * 3) {
     return Error{"no_renderer", "figures", "OpenGL returned no pixels", "a picture", ""};
   }
-  return average_down(*pixels, width, height);
+  return average_down(pixels->GetPointer(0), width, height, times);
 }
 
 std::string escape_xml(const std::string& text) {
@@ -366,7 +375,7 @@ Result<Rendered> render(const Drawing& drawing, double dpi, const std::string& t
   FURROW_DO(check_font());
   const double px_per_pt = dpi / kPointsPerInch;
   const double wide = drawing.width_pt * px_per_pt, high = drawing.height_pt * px_per_pt;
-  constexpr double kLargest = kLargestSidePx / kSupersampling;
+  constexpr double kLargest = kLargestSidePx;
   if (!(wide >= 1.0 && high >= 1.0 && wide <= kLargest && high <= kLargest)) {
     return Error{"figure_too_large", title,
                  "a figure of " + base::format_fixed(wide, 0) + " x " + base::format_fixed(high, 0) + " px",
