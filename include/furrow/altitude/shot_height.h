@@ -21,23 +21,40 @@ struct SpacingHeight {
   Estimate cross_track_m;          ///< camera left of row 0, metres; unusable when no spacing is known
 };
 
-/// Needs two or more rows. `prior` fills in for the pitch where the rows are parallel in the picture (near
+/// Needs two or more rows. Takes each row's far edge where edges are given: it is the top's silhouette
+/// whatever the wall's shape. `prior` fills in for the pitch where the rows are parallel in the picture (near
 /// nadir). Errors: not_enough_rows, ill_conditioned, no_pitch (parallel rows and no prior).
 Result<SpacingHeight> from_spacing(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
                                    const AttitudePrior& prior);
+
+/// One cause's share of a height's uncertainty; the squares of all shares add up to the square of the sigma.
+struct SigmaShare {
+  std::string cause;  ///< picture, plants, spacing, half_width, foliage, pitch, roll, focal, distortion,
+                      ///< motion, other
+  double sigma_m = 0.0;
+};
 
 /// One shot's refinement.
 struct RefinedShot {
   Estimate height_above_canopy_m;
   Estimate height_above_ground_m;  ///< plus the row height and its sigma
-  Estimate pitch_rad, roll_rad, yaw_rad;
+  Estimate pitch_rad, roll_rad,
+      yaw_rad;  ///< geom::Attitude; yaw and roll lose their meaning within some degrees of nadir
+  /// The picture's upward direction against the rows, positive to the left: yaw in the gimbal's order (yaw,
+  /// roll, pitch). Equal to yaw_rad without roll, and sound at nadir too.
+  Estimate heading_rad;
   Estimate cross_track_m;  ///< camera left of row 0
   Estimate row_spacing_m;
   Estimate half_width_m;
+  Estimate foliage_depth_m;
+  Estimate base_width_ratio;  ///< half width at the lowest leaves over half_width_m
   /// Covariance of (height, pitch, roll, yaw, cross-track, spacing, half width, foliage depth); zero rows
   /// where held fixed.
   Eigen::MatrixXd covariance;
-  int observations = 0;
+  std::vector<SigmaShare> height_budget;  ///< of height_above_canopy_m, by cause
+  int rows_used = 0;                      ///< rows that carry the result
+  int rows_left_out = 0;                  ///< rows found, but too far from the common field to belong to it
+  int observations = 0;                   ///< samples in the rows used
   int iterations = 0;
   double residual_rms = 0.0;  ///< weighted; about 1 when the sigmas are right
   std::string termination = "never ran";
@@ -45,8 +62,18 @@ struct RefinedShot {
 };
 
 struct RefineOptions {
-  /// Scale of the Cauchy loss in sigmas.
+  /// Scale of the Cauchy loss of a row, in sigmas per observation: rows beyond it lose their pull while
+  /// outliers are looked for.
   double robust_scale = 2.0;
+  /// A row is left out of the final fit when its misfit has less than this chance for good rows.
+  double outlier_chance = 1e-3;
+  /// A prior that the picture contradicts by more than this many sigmas of their difference is an error,
+  /// contradictory_priors.
+  double prior_conflict_sigmas = 5.0;
+  /// One-sigma of the angle between the rows' plane and level ground, along and across the rows: gimbals
+  /// measure against gravity, pictures against the rows. Added to the sigmas of pitch and roll. Default: a
+  /// vineyard terrace or a sown field within half a degree.
+  double terrain_slope_sigma_rad = 0.0087;
   int max_iterations = 50;
 };
 

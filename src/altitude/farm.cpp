@@ -1,0 +1,74 @@
+#include "farm.h"
+
+#include <cmath>
+#include <string>
+
+#include "furrow/base/text.h"
+
+namespace furrow::altitude {
+namespace {
+
+/// Standard deviation of a uniform distribution over [0, 1].
+const double kUniformSigma = 1.0 / std::sqrt(12.0);
+/// A sigma of 0 means exactly known; a solver needs a number above 0, small against anything that matters.
+constexpr double kExactRelativeSigma = 1e-7;
+
+/// The middle of [0, upper], as wide as that whole range.
+Estimate anywhere_up_to(double upper) {
+  return {0.5 * upper, kUniformSigma * upper, 0};
+}
+
+/// A value that was given must be finite, above 0, with a sigma that is not negative. NaN means "not known".
+Result<bool> given(const char* name, const Estimate& value) {
+  if (std::isnan(value.value)) return false;
+  const bool sound = std::isfinite(value.value) && std::isfinite(value.sigma) && value.sigma >= 0.0;
+  if (!sound) {
+    return Error{"not_finite", name,
+                 base::format_double(value.value) + " with sigma " + base::format_double(value.sigma),
+                 "a finite value with a finite sigma, or NaN for not known", ""};
+  }
+  if (!(value.value > 0.0)) {
+    return Error{"bad_field", name, base::format_double(value.value), "a length above 0", ""};
+  }
+  return true;
+}
+
+Estimate with_positive_sigma(Estimate e) {
+  e.sigma = std::max(e.sigma, kExactRelativeSigma * e.value);
+  return e;
+}
+
+}  // namespace
+
+Result<Farm> complete_farm(const FieldKnowledge& field) {
+  FURROW_TRY(const bool spacing, given("row_spacing_m", field.row_spacing_m));
+  FURROW_TRY(const bool width, given("half_width_m", field.half_width_m));
+  FURROW_TRY(const bool height, given("row_height_m", field.row_height_m));
+  FURROW_TRY(const bool depth, given("foliage_depth_m", field.foliage_depth_m));
+  FURROW_TRY(const bool ratio, given("base_width_ratio", field.base_width_ratio));
+  if (!spacing) {
+    return Error{"no_spacing", "row_spacing_m", "no row spacing",
+                 "the distance between row centres in metres",
+                 "from_spacing still gives height over spacing"};
+  }
+  const double s = field.row_spacing_m.value;
+  Farm farm;
+  farm.half_width_given = width;
+  farm.foliage_depth_given = depth;
+  farm.base_ratio_given = ratio;
+  farm.row_spacing_m = with_positive_sigma(field.row_spacing_m);
+  farm.half_width_m = with_positive_sigma(width ? field.half_width_m : anywhere_up_to(0.5 * s));
+  // Growers keep rows no higher than the alley is wide, or the next row stands in shade (Smart and Robinson
+  // 1991).
+  const double deepest = height ? field.row_height_m.value : s;
+  farm.foliage_depth_m = with_positive_sigma(depth ? field.foliage_depth_m : anywhere_up_to(deepest));
+  farm.base_width_ratio = with_positive_sigma(ratio ? field.base_width_ratio : anywhere_up_to(1.0));
+  farm.planting_sigma_m =
+      std::isfinite(field.planting_sigma_m) ? field.planting_sigma_m : kPlantingSigmaPerSpacing * s;
+  farm.growth_sigma_m = std::isfinite(field.growth_sigma_m)
+                            ? field.growth_sigma_m
+                            : kGrowthSigmaPerHalfWidth * farm.half_width_m.value;
+  return farm;
+}
+
+}  // namespace furrow::altitude

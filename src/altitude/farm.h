@@ -1,0 +1,18 @@
+#pragma once
+#include "furrow/altitude/field_knowledge.h"
+#include "furrow/base/result.h"
+
+namespace furrow::altitude {
+
+/// FieldKnowledge with every gap filled by what holds for any row crop, widely (docs/formulation/altitude.md,
+/// section 6).
+struct Farm {
+  Estimate row_spacing_m, half_width_m, foliage_depth_m, base_width_ratio;
+  double planting_sigma_m = 0.0, growth_sigma_m = 0.0;
+  bool half_width_given = false, foliage_depth_given = false, base_ratio_given = false;
+};
+
+/// Errors: no_spacing, not_finite, bad_field (not above 0), each naming the quantity.
+Result<Farm> complete_farm(const FieldKnowledge& field);
+
+}  // namespace furrow::altitude

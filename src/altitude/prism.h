@@ -1,0 +1,104 @@
+#pragma once
+#include <cmath>
+
+#include "edge_line.h"
+#include "furrow/geom/attitude.h"
+
+/// What a camera sees of rows that are prisms along x (docs/formulation/altitude.md, sections 1, 2 and 5).
+/// Templates, so that derivatives come from automatic differentiation.
+namespace furrow::altitude {
+
+/// Places in the pose block of a shot.
+inline constexpr int kLogHeight = 0, kTheta = 1, kLambda = 2, kPsi = 3, kCrossTrack = 4, kPoseSize = 5;
+/// Places in the farm block.
+inline constexpr int kSpacing = 0, kHalfWidth = 1, kDepth = 2, kBaseRatio = 3, kFarmSize = 4;
+
+template <class T>
+struct Vector3 {
+  T x, y, z;
+};
+
+/// m = cam_from_row e_y and q = cam_from_row e_z, with cam_from_row = cam_from_body (Rz(psi) Rx(lambda)
+/// Ry(-theta))^T (eq. 1.2).
+template <class T>
+struct RowAxes {
+  Vector3<T> m, q;
+};
+
+template <class T>
+RowAxes<T> row_axes(const T& theta, const T& lambda, const T& psi) {
+  using std::cos;
+  using std::sin;
+  const T ct = cos(theta), st = sin(theta), cl = cos(lambda), sl = sin(lambda), cp = cos(psi), sp = sin(psi);
+  // Level vectors after Rx(-lambda) Rz(-psi), then Ry(theta), then forward-left-up to right-down-forward.
+  const auto to_cam = [&](const T& x, const T& y, const T& z) {
+    return Vector3<T>{-y, st * x - ct * z, ct * x + st * z};
+  };
+  return {to_cam(sp, cl * cp, -sl * cp), to_cam(T(0.0), sl, cl)};
+}
+
+/// Line on the unit plane of everything at slope t (lateral over drop): l = m + t q (eq. 2.2).
+template <class T>
+Vector3<T> line_at(const RowAxes<T>& axes, const T& t) {
+  return {axes.m.x + t * axes.q.x, axes.m.y + t * axes.q.y, axes.m.z + t * axes.q.z};
+}
+
+/// Signed perpendicular distance of a point of the unit plane from a line.
+template <class T>
+T distance(const Vector3<T>& l, const Eigen::Vector2d& p) {
+  using std::sqrt;
+  return (l.x * p.x() + l.y * p.y() + l.z) / sqrt(l.x * l.x + l.y * l.y);
+}
+
+/// Slopes between which a row's green is seen; `*_drop` is the drop at which the edge that is seen stands.
+template <class T>
+struct VisibleRow {
+  T left, right;
+  T left_drop, right_drop;
+};
+
+/// Eq. 5.1 to 5.3: silhouettes of a trapezoid prism with half width w at drop H and beta w at drop H + d, and
+/// what the neighbour nearer to the camera leaves of it.
+template <class T>
+VisibleRow<T> visible_row(const T* pose, const T* farm, int k) {
+  using std::exp;
+  // The depth enters by its magnitude: a prior that reaches 0 must not let the base rise above the top.
+  const T h = exp(pose[kLogHeight]), w = farm[kHalfWidth];
+  const T d = farm[kDepth] < T(0.0) ? T(-farm[kDepth]) : farm[kDepth];
+  const T s = farm[kSpacing], wb = farm[kBaseRatio] * w, hb = h + d;
+  const T y = -pose[kCrossTrack] - static_cast<double>(k) * s;
+  VisibleRow<T> v{(y + w) / h, (y - w) / h, h, h};
+  const T base_left = (y + wb) / hb, base_right = (y - wb) / hb;
+  if (base_left > v.left) v.left = base_left, v.left_drop = hb;
+  if (base_right < v.right) v.right = base_right, v.right_drop = hb;
+  const T hidden_left = (y - s + w) / h, hidden_right = (y + s - w) / h;
+  if (v.right < hidden_left && hidden_left > T(0.0)) v.right = hidden_left, v.right_drop = h;
+  if (v.left > hidden_right && hidden_right < T(0.0)) v.left = hidden_right, v.left_drop = h;
+  return v;
+}
+
+/// Slope of an edge or of the middle of the visible row.
+template <class T>
+T slope_of(const VisibleRow<T>& row, Side side) {
+  if (side == Side::left) return row.left;
+  if (side == Side::right) return row.right;
+  return 0.5 * (row.left + row.right);
+}
+
+/// The camera's angles in the gimbal's order: yaw psi about the vertical, then roll lambda about the level
+/// forward axis, then pitch theta about the camera's right axis. Regular at nadir, where geom::Attitude is
+/// not; equal to it without roll.
+struct GimbalAngles {
+  double theta = 0.0, lambda = 0.0, psi = 0.0;
+};
+
+Eigen::Matrix3d cam_from_row(const GimbalAngles& angles);
+/// The same orientation in the house's convention.
+geom::Attitude attitude_from(const GimbalAngles& angles);
+/// d(pitch, roll, yaw) / d(theta, lambda, psi).
+Eigen::Matrix3d attitude_jacobian(const GimbalAngles& angles);
+/// lambda of an attitude given as pitch and roll about the optical axis: the elevation of the camera's left
+/// axis is the same in both.
+double lambda_of(double pitch_rad, double roll_rad);
+
+}  // namespace furrow::altitude

@@ -1,0 +1,113 @@
+#pragma once
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "farm.h"
+#include "furrow/altitude/shot_height.h"
+#include "row_block.h"
+#include "spacing.h"
+
+namespace furrow::altitude {
+
+/// A shot's parameters in one vector: the pose block, then the farm block.
+inline constexpr int kShotSize = kPoseSize + kFarmSize;
+using ShotVector = Eigen::Matrix<double, kShotSize, 1>;
+
+/// A row with the noise of its residuals at the place where the model now stands.
+struct WeightedBlock {
+  RowBlock rows;
+  BlockCovariance covariance;
+  Eigen::MatrixXd whitener;
+};
+
+/// A Gaussian prior on one parameter.
+struct ParameterPrior {
+  std::string cause;  ///< as in SigmaShare
+  int parameter = 0;  ///< place in ShotVector
+  Estimate wanted;
+  bool given = false;  ///< stated by the caller, so that a contradiction is the caller's
+};
+
+/// Everything that the refinement of a shot minimises.
+struct ShotSystem {
+  std::vector<WeightedBlock> blocks;
+  std::vector<ParameterPrior> priors;
+  RowWander wander;
+
+  int block_residuals() const;
+};
+
+/// Raw residuals of a row: perpendicular distances on the unit plane (eq. 7.1).
+template <class T>
+void row_residuals(const RowBlock& block, const T* pose, const T* farm, T* raw) {
+  const RowAxes<T> axes = row_axes(pose[kTheta], pose[kLambda], pose[kPsi]);
+  const VisibleRow<T> row = visible_row(pose, farm, block.row);
+  for (std::size_t i = 0; i < block.lines.size(); ++i) {
+    const Vector3<T> l = line_at(axes, slope_of(row, block.lines[i].side));
+    raw[2 * i] = distance(l, block.lines[i].points[0]);
+    raw[2 * i + 1] = distance(l, block.lines[i].points[1]);
+  }
+}
+
+/// Cost of one row for Ceres; parameter blocks pose and farm.
+struct RowCost {
+  const WeightedBlock* block = nullptr;
+  double scale = 1.0;  ///< multiplies the whitened residuals
+
+  template <class T>
+  bool operator()(const T* pose, const T* farm, T* residuals) const {
+    const int n = block->rows.residuals();
+    Eigen::Matrix<T, Eigen::Dynamic, 1, 0, 6, 1> raw(n);
+    row_residuals(block->rows, pose, farm, raw.data());
+    for (int i = 0; i < n; ++i) {
+      residuals[i] = T(0.0);
+      for (int j = 0; j <= i; ++j) residuals[i] += scale * block->whitener(i, j) * raw[j];
+    }
+    return true;
+  }
+};
+
+/// Cost of a prior for Ceres; one parameter block.
+struct PriorCost {
+  ParameterPrior prior;
+  int place = 0;  ///< inside the block
+
+  template <class T>
+  bool operator()(const T* block, T* residual) const {
+    residual[0] = (block[place] - prior.wanted.value) / prior.wanted.sigma;
+    return true;
+  }
+};
+
+/// Priors on the farm's numbers.
+std::vector<ParameterPrior> farm_priors(const Farm& farm);
+/// Priors on a shot's angles, widened by the terrain's slope.
+std::vector<ParameterPrior> angle_priors(const GimbalPrior& gimbal, bool roll_given,
+                                         double terrain_slope_sigma_rad);
+
+/// The pencil in metres: the start of the refinement.
+ShotVector start_of(const Pencil& pencil, const Farm& farm);
+
+/// Sets each block's covariance and whitener at x.
+void weigh(ShotSystem& system, const ShotVector& x);
+
+/// Whitened residuals of the blocks, with derivatives by the nine parameters.
+struct Linearised {
+  Eigen::VectorXd residuals;
+  Eigen::Matrix<double, Eigen::Dynamic, kShotSize> jacobian;
+};
+Linearised linearise_blocks(const ShotSystem& system, const ShotVector& x);
+Linearised linearise_priors(const ShotSystem& system, const ShotVector& x);
+
+/// Effect of the camera's intrinsics on the whitened residuals of the blocks (eq. 8.4).
+Eigen::MatrixXd intrinsics_jacobian(const ShotSystem& system, const ShotVector& x, const Camera& camera);
+
+/// Largest value that chi-square with `freedom` degrees passes with the given chance (Wilson and Hilferty
+/// 1931).
+double chi_square_limit(int freedom, double chance);
+
+/// Takes rows out that do not belong to the field at x; keeps at least two. Returns how many were taken out.
+int drop_outliers(ShotSystem& system, const ShotVector& x, double chance);
+
+}  // namespace furrow::altitude

@@ -1,0 +1,406 @@
+#include "spacing.h"
+
+#include <ceres/tiny_solver.h>
+#include <ceres/tiny_solver_autodiff_function.h>
+#include <algorithm>
+#include <cmath>
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <set>
+
+#include "furrow/base/text.h"
+#include "furrow/geom/angles.h"
+
+namespace furrow::altitude {
+namespace {
+
+using geom::deg_to_rad;
+using geom::kPi;
+
+/// A camera whose roll nobody states is taken as level like a hand-held one; gimbals do five times better.
+const double kUnknownRollSigma = deg_to_rad(3.0);
+/// Rows whose common point leaves the pitch open by more than this are parallel as far as the picture tells.
+const double kParallelPitchSigma = deg_to_rad(5.0);
+/// Beyond this yaw a cut along a picture row meets the rows at less than 30 deg and is no cut across a row.
+const double kMaxYaw = deg_to_rad(60.0);
+/// An exactly known angle still needs a sigma above 0.
+constexpr double kExactAngleSigma = 1e-9;
+
+Error degenerate(const char* code, std::string found, std::string wanted) {
+  return Error{code, "rows", std::move(found), std::move(wanted), ""};
+}
+
+Result<Estimate> checked_angle(const char* name, const Estimate& angle) {
+  if (std::isnan(angle.value)) return Estimate{};
+  const bool sound = std::isfinite(angle.value) && std::isfinite(angle.sigma) && angle.sigma >= 0.0;
+  if (!sound) {
+    return Error{"not_finite", name,
+                 base::format_double(angle.value) + " with sigma " + base::format_double(angle.sigma),
+                 "a finite angle with a finite sigma, or NaN for not known", ""};
+  }
+  return Estimate{angle.value, std::max(angle.sigma, kExactAngleSigma), angle.observations};
+}
+
+/// Plane through the camera's centre and a line, as a unit normal.
+Eigen::Vector3d plane_of(const EdgeLine& line) {
+  return line.points[0].homogeneous().cross(line.points[1].homogeneous()).normalized();
+}
+
+/// Direction of the rows in the camera, with the information that the lines give about it.
+struct RowDirectionFit {
+  Eigen::Vector3d direction;
+  double pitch_sigma = 0.0;
+};
+
+/// Eq. 3.2: all edges of all rows are parallel in the world, walls too, so all their planes hold the row
+/// direction.
+RowDirectionFit fit_direction(const std::vector<EdgeLine>& lines) {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  for (const EdgeLine& line : lines) {
+    const Eigen::Vector3d normal = plane_of(line);
+    const double half_length = 0.5 * (line.points[1] - line.points[0]).norm();
+    const double weight = half_length / line.sigma;
+    information += weight * weight * normal * normal.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
+  RowDirectionFit fit;
+  fit.direction = eigen.eigenvectors().col(0);
+  // Forward is the end of the row that the upper part of the picture shows.
+  if (fit.direction.dot(Eigen::Vector3d(0, -1, 1)) < 0.0) fit.direction = -fit.direction;
+  const Eigen::Vector3d& v = fit.direction;
+  const Eigen::Vector3d nod = Eigen::Vector3d(0.0, v.z(), -v.y()).normalized();
+  double variance = 0.0;
+  for (int i = 1; i < 3; ++i) {
+    const double part = nod.dot(eigen.eigenvectors().col(i));
+    variance += part * part / std::max(eigen.eigenvalues()[i], 1e-300);
+  }
+  fit.pitch_sigma = std::sqrt(variance);
+  return fit;
+}
+
+/// Yaw that turns the rows' planes onto a row direction of known pitch (eq. 3.4).
+double yaw_at_pitch(const std::vector<EdgeLine>& lines, double theta) {
+  double xx = 0.0, xm = 0.0, mm = 0.0;
+  for (const EdgeLine& line : lines) {
+    const Eigen::Vector3d l = plane_of(line);
+    const double weight = (line.points[1] - line.points[0]).squaredNorm() / (line.sigma * line.sigma);
+    const double m = l.y() * std::sin(theta) + l.z() * std::cos(theta);
+    xx += weight * l.x() * l.x();
+    xm += weight * l.x() * m;
+    mm += weight * m * m;
+  }
+  // The (sin psi, cos psi) of the smallest weighted sum of (l_x sin psi + m cos psi)^2.
+  const double angle = 0.5 * std::atan2(2.0 * xm, xx - mm) + kPi / 2.0;
+  return std::remainder(kPi / 2.0 - angle, kPi);
+}
+
+GimbalAngles start_angles(const std::vector<EdgeLine>& lines, const RowDirectionFit& fit,
+                          const GimbalPrior& prior, bool parallel) {
+  GimbalAngles start;
+  start.lambda = prior.lambda.value;
+  if (parallel) {
+    start.theta = prior.theta.value;
+    start.psi = yaw_at_pitch(lines, start.theta);
+  } else {
+    // Undo the roll about the level forward axis to first order by the exact VP of a level camera (eq. 3.3).
+    start.theta = std::atan2(fit.direction.y(), fit.direction.z());
+    start.psi = std::asin(std::clamp(fit.direction.x(), -1.0, 1.0));
+  }
+  return start;
+}
+
+/// Slope at which a line lies: the t that puts its middle on l = m + t q.
+double slope_at(const RowAxes<double>& axes, const EdgeLine& line) {
+  const Eigen::Vector2d p = 0.5 * (line.points[0] + line.points[1]);
+  const double lateral = axes.m.x * p.x() + axes.m.y * p.y() + axes.m.z;
+  const double up = axes.q.x * p.x() + axes.q.y * p.y() + axes.q.z;
+  return -lateral / up;
+}
+
+bool below_horizon(const RowAxes<double>& axes, const EdgeLine& line) {
+  for (const Eigen::Vector2d& p : line.points) {
+    if (!(axes.q.x * p.x() + axes.q.y * p.y() + axes.q.z < 0.0)) return false;
+  }
+  return true;
+}
+
+/// -1, 0, 1: how many half widths the line's slope stands from its row's axis, when it is a top edge.
+double half_widths(const EdgeLine& line) {
+  if (line.side == Side::centre) return 0.0;
+  return line.side == Side::left ? 1.0 : -1.0;
+}
+
+/// The silhouette on the far side is the top edge whatever the shape of the wall (eq. 3.5).
+bool is_top_edge(const EdgeLine& line, double slope) {
+  return half_widths(line) * slope >= 0.0;
+}
+
+int distinct_rows(const std::vector<EdgeLine>& lines) {
+  std::set<int> rows;
+  for (const EdgeLine& line : lines) rows.insert(line.row);
+  return static_cast<int>(rows.size());
+}
+
+/// Lines that the pencil's model holds for: far edges and centres; near edges too when fewer than two rows
+/// are left without them.
+std::vector<EdgeLine> pencil_lines(const std::vector<EdgeLine>& lines, const RowAxes<double>& axes) {
+  std::vector<EdgeLine> tops;
+  for (const EdgeLine& line : lines) {
+    if (is_top_edge(line, slope_at(axes, line))) tops.push_back(line);
+  }
+  return distinct_rows(tops) >= 2 ? tops : lines;
+}
+
+/// One prior of the pencil: coefficients on the parameters, value wanted, sigma.
+struct PencilPrior {
+  PencilVector coefficients = PencilVector::Zero();
+  double value = 0.0, sigma = 1.0;
+};
+
+struct PencilBlock {
+  RowBlock rows;
+  Eigen::MatrixXd whitener;
+};
+
+struct PencilResidual {
+  const std::vector<PencilBlock>* blocks = nullptr;
+  const std::vector<PencilPrior>* priors = nullptr;
+
+  int NumResiduals() const {
+    int n = static_cast<int>(priors->size());
+    for (const PencilBlock& block : *blocks) n += block.rows.residuals();
+    return n;
+  }
+
+  template <class T>
+  bool operator()(const T* x, T* residuals) const {
+    const RowAxes<T> axes = row_axes(x[kPencilTheta], x[kPencilLambda], x[kPencilPsi]);
+    int at = 0;
+    for (const PencilBlock& block : *blocks) {
+      const int n = block.rows.residuals();
+      Eigen::Matrix<T, Eigen::Dynamic, 1> raw(n);
+      for (int i = 0; i < n; ++i) {
+        const EdgeLine& line = block.rows.lines[static_cast<std::size_t>(i / 2)];
+        const T t =
+            x[kPencilA] + x[kPencilB] * static_cast<double>(line.row) + x[kPencilG] * half_widths(line);
+        raw[i] = distance(line_at(axes, t), line.points[i % 2]);
+      }
+      for (int i = 0; i < n; ++i, ++at) {
+        residuals[at] = T(0.0);
+        for (int j = 0; j <= i; ++j) residuals[at] += block.whitener(i, j) * raw[j];
+      }
+    }
+    for (const PencilPrior& prior : *priors) {
+      T sum = T(-prior.value);
+      for (int i = 0; i < kPencilSize; ++i) sum += prior.coefficients[i] * x[i];
+      residuals[at++] = sum / prior.sigma;
+    }
+    return true;
+  }
+};
+
+/// Straight line through slopes over row index: the start of a and b.
+void start_slopes(const std::vector<EdgeLine>& lines, const RowAxes<double>& axes, double ratio,
+                  PencilVector& x) {
+  // With g = -ratio b: slope = a + b (k - ratio * half widths).
+  double n = 0.0, sk = 0.0, st = 0.0, skk = 0.0, skt = 0.0;
+  for (const EdgeLine& line : lines) {
+    const double k = line.row - ratio * half_widths(line), t = slope_at(axes, line);
+    n += 1.0, sk += k, st += t, skk += k * k, skt += k * t;
+  }
+  x[kPencilB] = (n * skt - sk * st) / (n * skk - sk * sk);
+  x[kPencilA] = (st - x[kPencilB] * sk) / n;
+  x[kPencilG] = -ratio * x[kPencilB];
+}
+
+/// Half width over spacing with sigma, and the rows' wander over spacing.
+struct RelativeFarm {
+  Estimate width_ratio;
+  RowWander wander;
+};
+
+RelativeFarm relative_farm(const FieldKnowledge& field) {
+  RelativeFarm r;
+  // Without numbers: anywhere between no width and rows that touch.
+  r.width_ratio = {0.25, 0.5 / std::sqrt(12.0), 0};
+  const double s = field.row_spacing_m.value;
+  if (field.row_spacing_m.usable() && field.half_width_m.usable() && s > 0.0) {
+    const double w = field.half_width_m.value / s;
+    const double relative =
+        std::hypot(field.half_width_m.sigma / field.half_width_m.value, field.row_spacing_m.sigma / s);
+    r.width_ratio = {w, std::max(w * relative, 1e-6), 0};
+  }
+  const bool metres = field.row_spacing_m.usable() && s > 0.0;
+  r.wander.planting_sigma_m =
+      metres && std::isfinite(field.planting_sigma_m) ? field.planting_sigma_m / s : kPlantingSigmaPerSpacing;
+  r.wander.growth_sigma_m = metres && std::isfinite(field.growth_sigma_m)
+                                ? field.growth_sigma_m / s
+                                : kGrowthSigmaPerHalfWidth * r.width_ratio.value;
+  return r;
+}
+
+std::vector<PencilBlock> whitened_blocks(const std::vector<EdgeLine>& lines, const PencilVector& x,
+                                         const RowWander& wander) {
+  const RowAxes<double> axes = row_axes(x[kPencilTheta], x[kPencilLambda], x[kPencilPsi]);
+  std::vector<PencilBlock> blocks;
+  for (RowBlock& rows : group_by_row(lines)) {
+    std::vector<LinePlace> places;
+    for (const EdgeLine& line : rows.lines) {
+      // Lengths in units of the spacing: the drop is 1 / |b|.
+      places.push_back({x[kPencilA] + x[kPencilB] * line.row + x[kPencilG] * half_widths(line),
+                        1.0 / std::abs(x[kPencilB]), 0.0});
+    }
+    PencilBlock block;
+    block.whitener = whitener_of(block_covariance(rows, places, axes, wander));
+    block.rows = std::move(rows);
+    blocks.push_back(std::move(block));
+  }
+  return blocks;
+}
+
+std::vector<PencilPrior> pencil_priors(const GimbalPrior& prior, bool parallel, const RelativeFarm& farm,
+                                       double b) {
+  std::vector<PencilPrior> priors(2);
+  priors[0].coefficients[kPencilLambda] = 1.0;
+  priors[0].value = prior.lambda.value;
+  priors[0].sigma = prior.lambda.sigma;
+  // g = -ratio b.
+  priors[1].coefficients[kPencilG] = 1.0;
+  priors[1].coefficients[kPencilB] = farm.width_ratio.value;
+  priors[1].sigma = farm.width_ratio.sigma * std::abs(b);
+  if (parallel) {
+    PencilPrior pitch;
+    pitch.coefficients[kPencilTheta] = 1.0;
+    pitch.value = prior.theta.value;
+    pitch.sigma = prior.theta.sigma;
+    priors.push_back(pitch);
+  }
+  return priors;
+}
+
+/// Weighted adjustment of the pencil from its start; covariance from the normal equations.
+Status adjust(const std::vector<EdgeLine>& lines, const GimbalPrior& prior, bool parallel,
+              const RelativeFarm& farm, Pencil& pencil) {
+  const std::vector<PencilBlock> blocks = whitened_blocks(lines, pencil.value, farm.wander);
+  const std::vector<PencilPrior> priors = pencil_priors(prior, parallel, farm, pencil.value[kPencilB]);
+  PencilResidual residual{&blocks, &priors};
+  using Function = ceres::TinySolverAutoDiffFunction<PencilResidual, Eigen::Dynamic, kPencilSize>;
+  Function function(residual);
+  ceres::TinySolver<Function> solver;
+  solver.options.max_num_iterations = 50;
+  solver.options.gradient_tolerance = 1e-14;
+  solver.options.parameter_tolerance = 1e-13;
+  solver.options.function_tolerance = 1e-15;
+  solver.Solve(function, &pencil.value);
+  Eigen::MatrixXd jacobian(residual.NumResiduals(), kPencilSize);
+  Eigen::VectorXd r(residual.NumResiduals());
+  function(pencil.value.data(), r.data(), jacobian.data());
+  const Eigen::LDLT<Eigen::MatrixXd> normal(jacobian.transpose() * jacobian);
+  pencil.covariance = normal.solve(Eigen::MatrixXd::Identity(kPencilSize, kPencilSize));
+  const bool sound = pencil.value.allFinite() && pencil.covariance.allFinite() &&
+                     pencil.covariance.diagonal().minCoeff() > 0.0 && pencil.value[kPencilB] < 0.0;
+  if (!sound)
+    return degenerate("ill_conditioned", "rows that fit no set of equally spaced lines",
+                      "rows in order from left to right");
+  return Done{};
+}
+
+Result<std::vector<EdgeLine>> usable_lines(const RowsOnUnitPlane& rows) {
+  for (const RowsOnUnitPlane::Row& row : rows.rows) {
+    for (const RowDirection& d : row.directions) {
+      if (!d.centre.allFinite() || !std::isfinite(d.sigma)) {
+        return degenerate("not_finite",
+                          "a direction of row " + std::to_string(row.index) + " that is not finite",
+                          "finite directions with finite sigmas");
+      }
+    }
+  }
+  std::vector<EdgeLine> lines = reduce_to_lines(rows);
+  const int distinct = distinct_rows(lines);
+  if (distinct >= 2) return lines;
+  const bool shared = rows.rows.size() >= 2 && !lines.empty();
+  if (shared)
+    return degenerate("ill_conditioned", "all rows share one index", "two or more rows that differ in index");
+  return degenerate("not_enough_rows", std::to_string(distinct) + " row with two or more samples",
+                    "two or more rows");
+}
+
+}  // namespace
+
+Result<GimbalPrior> gimbal_prior(const AttitudePrior& prior) {
+  GimbalPrior result;
+  FURROW_TRY(const Estimate pitch, checked_angle("pitch_rad", prior.pitch_rad));
+  FURROW_TRY(const Estimate roll, checked_angle("roll_rad", prior.roll_rad));
+  result.lambda = {0.0, kUnknownRollSigma, 0};
+  if (roll.usable()) {
+    const double p = pitch.usable() ? pitch.value : 0.0;
+    result.lambda = {lambda_of(p, roll.value), roll.sigma, 1};
+  }
+  if (pitch.usable()) {
+    const double sine = std::sin(pitch.value) / std::cos(result.lambda.value);
+    result.theta = {std::asin(std::clamp(sine, -1.0, 1.0)), pitch.sigma, 1};
+  }
+  return result;
+}
+
+Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
+                          const AttitudePrior& prior) {
+  FURROW_TRY(const GimbalPrior gimbal, gimbal_prior(prior));
+  FURROW_TRY(std::vector<EdgeLine> lines, usable_lines(rows));
+  const RowDirectionFit direction = fit_direction(lines);
+  const bool parallel = direction.pitch_sigma > kParallelPitchSigma;
+  if (parallel && !gimbal.theta.usable()) {
+    return degenerate("no_pitch", "rows that are parallel in the picture, and no pitch prior",
+                      "a pitch from the gimbal");
+  }
+  const GimbalAngles start = start_angles(lines, direction, gimbal, parallel);
+  if (!(std::abs(start.psi) < kMaxYaw)) {
+    return degenerate("rows_across",
+                      "rows at " + base::format_fixed(geom::rad_to_deg(start.psi), 1) + " deg to the camera",
+                      "rows within 60 deg of the viewing direction");
+  }
+  const RowAxes<double> axes = row_axes(start.theta, start.lambda, start.psi);
+  std::erase_if(lines, [&](const EdgeLine& line) { return !below_horizon(axes, line); });
+  if (distinct_rows(lines) < 2) {
+    return degenerate("camera_along_horizon", "fewer than two rows below the horizon of the rows' plane",
+                      "a camera that looks down on the rows");
+  }
+  const std::vector<EdgeLine> tops = pencil_lines(lines, axes);
+  const RelativeFarm farm = relative_farm(field);
+  Pencil pencil;
+  pencil.value << start.theta, start.lambda, start.psi, 0.0, 0.0, 0.0;
+  start_slopes(tops, axes, farm.width_ratio.value, pencil.value);
+  FURROW_DO(adjust(tops, gimbal, parallel, farm, pencil));
+  pencil.blocks = group_by_row(lines);
+  for (const EdgeLine& line : tops) pencil.observations += line.samples;
+  return pencil;
+}
+
+Result<SpacingHeight> from_spacing(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
+                                   const AttitudePrior& prior) {
+  FURROW_TRY(const Pencil pencil, fit_pencil(rows, field, prior));
+  const geom::Attitude attitude = attitude_from(pencil.angles());
+  const Eigen::Matrix3d turn = attitude_jacobian(pencil.angles());
+  const Eigen::Matrix3d angles = turn * pencil.covariance.topLeftCorner<3, 3>() * turn.transpose();
+  const double a = pencil.value[kPencilA], b = pencil.value[kPencilB];
+  const Eigen::Matrix2d ab = pencil.covariance.block<2, 2>(kPencilA, kPencilA);
+  const int n = pencil.observations;
+  SpacingHeight result;
+  result.pitch_rad = {attitude.pitch_rad, std::sqrt(angles(0, 0)), n};
+  result.yaw_rad = {attitude.yaw_rad, std::sqrt(angles(2, 2)), n};
+  const double over_spacing = -1.0 / b;
+  result.height_over_spacing = {over_spacing, std::sqrt(ab(1, 1)) * over_spacing * over_spacing, n};
+  if (!field.row_spacing_m.usable()) return result;
+  const double s = field.row_spacing_m.value, s_sigma = field.row_spacing_m.sigma;
+  const double height = s * over_spacing;
+  result.height_above_canopy_m = {
+      height, std::hypot(s * result.height_over_spacing.sigma, over_spacing * s_sigma), n};
+  // c = a S / b.
+  const Eigen::Vector2d by_ab(s / b, -a * s / (b * b));
+  const double by_s = a / b;
+  result.cross_track_m = {a * s / b, std::sqrt(by_ab.dot(ab * by_ab) + by_s * by_s * s_sigma * s_sigma), n};
+  return result;
+}
+
+}  // namespace furrow::altitude

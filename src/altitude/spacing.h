@@ -1,0 +1,37 @@
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "furrow/altitude/shot_height.h"
+#include "row_block.h"
+
+namespace furrow::altitude {
+
+/// Places in the pencil's parameters: angles, then t_k = a + b k and g = half width / height.
+inline constexpr int kPencilTheta = 0, kPencilLambda = 1, kPencilPsi = 2, kPencilA = 3, kPencilB = 4,
+                     kPencilG = 5, kPencilSize = 6;
+using PencilVector = Eigen::Matrix<double, kPencilSize, 1>;
+
+/// The pencil of equally spaced lines that the picture shows, before any metres (eq. 3.1).
+struct Pencil {
+  PencilVector value = PencilVector::Zero();
+  Eigen::Matrix<double, kPencilSize, kPencilSize> covariance;
+  std::vector<RowBlock> blocks;  ///< every line that lies below the horizon, walls included
+  int observations = 0;          ///< samples used
+
+  GimbalAngles angles() const { return {value[kPencilTheta], value[kPencilLambda], value[kPencilPsi]}; }
+};
+
+/// Errors: as from_spacing, and rows_across, camera_along_horizon.
+Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
+                          const AttitudePrior& prior);
+
+/// The priors on theta and lambda that an AttitudePrior means; unusable parts stay unusable. A roll that is
+/// not known becomes level within kUnknownRollSigma.
+struct GimbalPrior {
+  Estimate theta, lambda;
+};
+/// Errors: not_finite, naming the angle.
+Result<GimbalPrior> gimbal_prior(const AttitudePrior& prior);
+
+}  // namespace furrow::altitude

@@ -1,0 +1,104 @@
+#include <gtest/gtest.h>
+#include <cmath>
+
+#include "field_generator.h"
+#include "furrow/geom/angles.h"
+#include "furrow/stats/agreement.h"
+
+namespace furrow::altitude {
+namespace {
+
+using geom::deg_to_rad;
+using testing::Noise;
+using testing::World;
+
+struct Trial {
+  World world;
+  FieldKnowledge field;
+  AttitudePrior prior;
+};
+
+/// A flight height and pitch with its spread; everything else is drawn.
+struct Case {
+  const char* name;
+  double low_m, high_m;  ///< above the canopy
+  double pitch_deg;
+  double correlation;
+};
+
+Estimate drawn(double truth, double sigma, base::Random& random) {
+  return {truth + random.normal(0.0, sigma), sigma, 1};
+}
+
+/// A world, and knowledge of it that errs as it says.
+Trial draw(const Case& c, base::Random& random) {
+  Trial t;
+  t.world.height_above_canopy_m = random.uniform(c.low_m, c.high_m);
+  const double pitch = c.pitch_deg < -80.0 ? c.pitch_deg : c.pitch_deg + random.uniform(-2.0, 2.0);
+  t.world.attitude = {deg_to_rad(random.uniform(-6.0, 6.0)), deg_to_rad(pitch),
+                      c.pitch_deg < -80.0 ? 0.0 : deg_to_rad(random.normal(0.0, 0.5))};
+  t.world.cross_track_m = random.uniform(-1.5, 1.5);
+  t.world.half_width_m = random.uniform(0.45, 0.75);
+  t.world.base_half_width_m = t.world.half_width_m * random.uniform(0.0, 1.0);
+  t.world.foliage_depth_m = random.uniform(0.0, 1.7);
+  t.field.row_spacing_m = drawn(3.0, 0.03, random);
+  t.field.half_width_m = drawn(t.world.half_width_m, 0.06, random);
+  t.field.row_height_m = {1.7, 0.05, 1};
+  t.field.planting_sigma_m = 0.03;
+  t.field.growth_sigma_m = 0.03;
+  t.prior.pitch_rad = drawn(t.world.attitude.pitch_rad, deg_to_rad(1.0), random);
+  t.prior.roll_rad = drawn(t.world.attitude.roll_rad, deg_to_rad(0.5), random);
+  return t;
+}
+
+class Sampling : public ::testing::TestWithParam<Case> {};
+
+TEST_P(Sampling, TruthLiesInsideItsSigmasAsOftenAsClaimed) {
+  constexpr int kShots = 1000;
+  const Case c = GetParam();
+  const Camera camera = testing::thesis_camera();
+  base::Random random(20240611);
+  std::vector<Estimate> height, pitch, heading, cross, spacing_height;
+  std::vector<double> true_height, true_pitch, true_heading, true_cross;
+  const Noise noise{
+      .edge_sigma_px = 1.5, .correlation = c.correlation, .planting_sigma_m = 0.03, .growth_sigma_m = 0.03};
+  double worst = 0.0, squares = 0.0;
+  int answered = 0;
+  for (int i = 0; i < kShots; ++i) {
+    const Trial t = draw(c, random);
+    const auto lines = testing::picture_of(t.world, camera, noise, random.bits());
+    const auto shot = refine_shot(lines, camera, t.field, t.prior, {.terrain_slope_sigma_rad = 0.0});
+    if (!shot.ok()) continue;
+    ++answered;
+    height.push_back(shot->height_above_canopy_m), true_height.push_back(t.world.height_above_canopy_m);
+    pitch.push_back(shot->pitch_rad), true_pitch.push_back(t.world.attitude.pitch_rad);
+    heading.push_back(shot->yaw_rad), true_heading.push_back(t.world.attitude.yaw_rad);
+    cross.push_back(shot->cross_track_m), true_cross.push_back(t.world.cross_track_m);
+    const double relative = shot->height_above_canopy_m.value / t.world.height_above_canopy_m - 1.0;
+    squares += relative * relative;
+    worst = std::max(worst, std::abs(relative));
+  }
+  EXPECT_GE(answered, 0.98 * kShots);
+  const auto check = [&](const char* what, const std::vector<Estimate>& estimates,
+                         const std::vector<double>& truths) {
+    const stats::Coverage coverage = stats::coverage(estimates, truths);
+    EXPECT_NEAR(coverage.within_1_sigma, 0.683, 0.05) << what;
+    EXPECT_NEAR(coverage.within_2_sigma, 0.954, 0.05) << what;
+    std::printf("%-22s %-8s within 1 sigma %.3f, 2 sigma %.3f\n", c.name, what, coverage.within_1_sigma,
+                coverage.within_2_sigma);
+  };
+  check("height", height, true_height);
+  check("cross", cross, true_cross);
+  if (c.pitch_deg > -80.0) check("pitch", pitch, true_pitch), check("yaw", heading, true_heading);
+  std::printf("%-22s answered %d, relative height rms %.4f, worst %.4f\n", c.name, answered,
+              std::sqrt(squares / answered), worst);
+}
+
+INSTANTIATE_TEST_SUITE_P(Heights, Sampling,
+                         ::testing::Values(Case{"3 to 5 m, -13 deg", 1.3, 3.3, -13.0, 0.6},
+                                           Case{"3 to 6 m, -20 deg", 1.3, 4.3, -20.0, 0.8},
+                                           Case{"8 m, -45 deg", 5.5, 7.0, -45.0, 0.6},
+                                           Case{"30 m, nadir", 25.0, 32.0, -90.0, 0.6}));
+
+}  // namespace
+}  // namespace furrow::altitude
