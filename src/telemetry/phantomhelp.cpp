@@ -1,8 +1,8 @@
-#include <algorithm>
 #include <cmath>
 
 #include "furrow/base/csv.h"
 #include "furrow/base/text.h"
+#include "furrow/stats/robust.h"
 #include "furrow/telemetry/formats.h"
 #include "reader_tools.h"
 #include "sonar.h"
@@ -83,20 +83,15 @@ struct Offset {
   double sigma_s = 0.0;
 };
 
-/// Middle of `differences_ns` and their spread by the median deviation.
-std::optional<Offset> median_offset(std::vector<base::Nanoseconds> differences_ns) {
+/// Middle of `differences_ns` and their robust spread.
+std::optional<Offset> median_offset(const std::vector<base::Nanoseconds>& differences_ns) {
   if (differences_ns.empty()) return std::nullopt;
-  const auto median = [](std::vector<base::Nanoseconds>& v) {
-    const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-    std::nth_element(v.begin(), middle, v.end());
-    return *middle;
-  };
-  Offset offset;
-  offset.median_ns = median(differences_ns);
-  for (base::Nanoseconds& d : differences_ns) d = std::abs(d - offset.median_ns);
-  constexpr double kSigmaPerMad = 1.4826;  // of a Gaussian
-  offset.sigma_s = kSigmaPerMad * base::ns_to_seconds(median(differences_ns));
-  return offset;
+  // Seconds from the first one: a double keeps the nanoseconds.
+  std::vector<double> from_first_s;
+  for (const base::Nanoseconds d : differences_ns)
+    from_first_s.push_back(base::ns_to_seconds(d - differences_ns.front()));
+  return Offset{differences_ns.front() + base::seconds_to_ns(stats::median(from_first_s)),
+                stats::mad_sigma(from_first_s)};
 }
 
 }  // namespace
@@ -137,8 +132,8 @@ Result<Track> read_phantomhelp(std::string_view text, const std::string& name) {
     return Error{"telemetry_empty", name,
                  std::to_string(table.rows.size()) + " rows, none with a flight time", "at least one row",
                  ""};
-  const auto local = median_offset(std::move(local_less_log_ns));
-  const auto utc = median_offset(std::move(utc_less_log_ns));
+  const auto local = median_offset(local_less_log_ns);
+  const auto utc = median_offset(utc_less_log_ns);
   for (Sample& sample : track.samples) {
     if (local) sample.t_local_ns = sample.t_log_ns + local->median_ns;
     if (utc) sample.t_utc_ns = sample.t_log_ns + utc->median_ns;
