@@ -184,7 +184,7 @@ std::string row_text(const Reading& r, base::Nanoseconds start_ns, bool first, E
 
 std::string airdata_csv(const Scene& scene) {
   const FlightPath path(scene);
-  const Canopy canopy(scene);
+  const Canopy canopy(scene, false);
   const LogErrors& e = scene.log;
   const Flight& flight = scene.flight;
   const geo::LocalFrame world({flight.latitude_deg, flight.longitude_deg, flight.height_ellipsoid_m});

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <Eigen/Geometry>
 
+#include "furrow/base/parallel.h"
 #include "furrow/geom/angles.h"
 #include "sim/noise.h"
 
@@ -22,14 +23,19 @@ constexpr double kLeafTilt = 0.55;    // one-sigma of a leaf's tilt against the 
 constexpr double kInnerLayers = 1.3;  // leaf area inside the envelope, per envelope area
 constexpr double kInnerLow = 0.45, kInnerHigh = 0.8;  // where, as a part of the envelope's half width
 constexpr double kInnerSize = 1.5;
-constexpr int kFirstLevelWithoutInner = 3;                // from afar nothing is seen between the leaves
+constexpr double kCoarsestWithInner = 4;  // from afar nothing is seen between the leaves
+constexpr double kCoarsestWithWood = 8;
 constexpr double kGapRamp_m = 0.25;                       // foliage thins over this length at a gap
 constexpr double kShortWave_m = 0.45, kLongWave_m = 1.7;  // of the envelope's roughness along the row
 constexpr double kTransmitted = 0.45;                     // light through a leaf over light back from it
 constexpr double kExtinction_per_m = 4.0;                 // of the sun inside the canopy
 constexpr int kShadowSteps = 5;
-constexpr double kFitLength_m = 30.0;  // row length on which a level's silhouette is measured
-constexpr int kFitRounds = 3;
+constexpr double kShadowEdge_m = 0.12;  // softness of a row's outline in its shadow
+constexpr double kFitLength_m = 24.0;   // row length on which a level's silhouette is measured
+constexpr double kSunwards_m = 0.06;    // from a wall to its sunward side
+constexpr double kHiddenFrom = 0.25;    // depth from which a far wall is out of sight
+constexpr double kOpenReach = 4.0;      // sigmas to which open_above() is tabulated
+constexpr int kFitRounds = 2;
 constexpr int kFitRow = 100003;  // a row number that no field has
 
 double smoothstep(double q) {
@@ -44,6 +50,11 @@ double rough(std::uint64_t key, double s) {
 /// Probability that a standard normal exceeds x.
 double normal_above(double x) {
   return 0.5 * std::erfc(x / std::sqrt(2.0));
+}
+
+/// Mean 0, one-sigma 1, within +-3: quicker than a true normal, for looks.
+double soft_normal(base::Random& random) {
+  return 2.0 * (random.uniform() + random.uniform() + random.uniform() - 1.5);
 }
 
 Vector3f rgb(const std::vector<double>& c) {
@@ -75,8 +86,15 @@ std::array<Eigen::Vector2f, kLobedCorners> lobed_outline() {
   return outline;
 }
 
-Canopy::Canopy(const Scene& scene) : scene_(scene) {
-  for (int level = 0; level < kLevels; ++level) fits_[static_cast<std::size_t>(level)] = fit_level(level);
+Canopy::Canopy(const Scene& scene, bool fitted) : scene_(scene) {
+  for (int i = 0; i < kOpenNodes; ++i) {
+    const double outside = kOpenReach * (2.0 * i / (kOpenNodes - 1) - 1.0);
+    open_[static_cast<std::size_t>(i)] = std::exp(-scene.field.leaf_layers * normal_above(outside));
+  }
+  if (!fitted) return;
+  fits_[0] = fit_level(0);
+  base::parallel_for(kLevels - 1, 0,
+                     [this](std::size_t i) { fits_[i + 1] = fit_level(static_cast<int>(i) + 1); });
 }
 
 std::uint64_t Canopy::key(std::uint64_t salt, std::int64_t a, std::int64_t b) const {
@@ -132,32 +150,79 @@ double Canopy::sunlight(double s, double l, double height_m, double direction_ra
     const double row = std::round(at_l / f.spacing_m);
     if (std::abs(row) > f.rows_each_side) continue;
     const double inside_m = envelope_half_width(h) - std::abs(at_l - row * f.spacing_m);
-    const double edge = smoothstep(inside_m / 0.12 + 0.5);
+    const double edge = smoothstep(inside_m / kShadowEdge_m + 0.5);
     if (edge > 0.0) depth += edge * density(static_cast<int>(row), at_s) * step_m / sun.z();
   }
   return std::exp(-kExtinction_per_m * depth);
 }
 
-Canopy::Surface Canopy::pick_surface(int row, double s, const Fit& fit, bool with_inner,
+double Canopy::sunlight_under_even_rows(const Vector3d& sun, double l, double height_m) const {
+  const Field& f = scene_.field;
+  const double low = std::max(height_m + 0.02, f.foliage_bottom_m);
+  if (low >= f.row_height_m) return 1.0;
+  const double step_m = (f.row_height_m - low) / kShadowSteps;
+  double depth = 0.0;
+  for (int i = 0; i < kShadowSteps; ++i) {
+    const double h = low + (i + 0.5) * step_m;
+    const double at_l = l + sun.y() * (h - height_m) / sun.z();
+    const double off_row = at_l - f.spacing_m * std::floor(at_l / f.spacing_m + 0.5);
+    depth +=
+        smoothstep((envelope_half_width(h) - std::abs(off_row)) / kShadowEdge_m + 0.5) * step_m / sun.z();
+  }
+  return std::exp(-kExtinction_per_m * depth);
+}
+
+/// Chance that no leaf of the envelope's own layer stands above one that is `outside` sigmas out.
+double Canopy::open_above(double outside) const {
+  const double at = (std::clamp(outside / kOpenReach, -1.0, 1.0) + 1.0) * 0.5 * (kOpenNodes - 1);
+  return open_[static_cast<std::size_t>(at + 0.5)];
+}
+
+Canopy::Course Canopy::course_of(const Piece& piece, const Fit& fit) const {
+  const Field& f = scene_.field;
+  const int row = piece.row;
+  Course course{};
+  course.sun = to_sun(piece.direction_rad);
+  for (std::size_t i = 0; i < Course::kNodes; ++i) {
+    const double part = static_cast<double>(i) / (Course::kNodes - 1);
+    const double s = (piece.number + part) * kPiece_m;
+    course.top[i] = f.row_height_m - fit.drop_m + f.height_roughness_m * rough(key(23, row), s);
+    course.left[i] =
+        std::max(0.02, f.half_width_m - fit.inset_m + f.width_roughness_m * rough(key(24, row), s));
+    course.right[i] =
+        std::max(0.02, f.half_width_m - fit.inset_m + f.width_roughness_m * rough(key(25, row), s));
+    course.density[i] = piece.calibrating ? 1.0 : density(row, s);
+    if (piece.calibrating) continue;
+    course.tone[i] = line_noise(key(26, row), s, f.plant_spacing_m);
+    const double wall_l = f.half_width_m + part * (f.base_half_width_m - f.half_width_m);
+    const double wall_h = f.row_height_m + part * (f.foliage_bottom_m - f.row_height_m);
+    const double lean = kSunwards_m * course.sun.y();  // leaves of the wall do not shade themselves
+    course.sun_left[i] = sunlight_under_even_rows(course.sun, wall_l + lean, wall_h);
+    course.sun_right[i] = sunlight_under_even_rows(course.sun, -wall_l + lean, wall_h);
+  }
+  return course;
+}
+
+Canopy::Surface Canopy::pick_surface(const Course& course, double part, bool with_inner,
                                      base::Random& random) const {
   const Field& f = scene_.field;
-  const double top = f.row_height_m - fit.drop_m + f.height_roughness_m * rough(key(23, row), s);
+  const double top = course.at(course.top, part);
   const bool left = random.uniform() < 0.5;
-  const double edge = std::max(
-      0.02, f.half_width_m - fit.inset_m + f.width_roughness_m * rough(key(left ? 24U : 25U, row), s));
+  const double edge = course.at(left ? course.left : course.right, part);
   const double base_edge = std::min(edge, f.base_half_width_m);
   const double bottom = std::min(f.foliage_bottom_m + 0.4 * f.leaf_m, top);
-  const double wall = std::hypot(top - bottom, edge - base_edge);
+  const double wall = std::sqrt((top - bottom) * (top - bottom) + (edge - base_edge) * (edge - base_edge));
   Surface at{};
   at.inner = with_inner && random.uniform() < kInnerLayers / (kInnerLayers + f.leaf_layers);
+  at.left = left;
   const double side = left ? 1.0 : -1.0;
   const bool on_top = random.uniform() * (edge + wall) < edge;
   const double q = random.uniform();  // from the middle to the edge, or from the top down
   if (on_top) {
-    at.point = {s, side * q * edge, top};
+    at.point = {0.0, side * q * edge, top};
     at.normal = {0.0, side * 0.25 * q, 1.0};
   } else {
-    at.point = {s, side * (edge + q * (base_edge - edge)), top + q * (bottom - top)};
+    at.point = {0.0, side * (edge + q * (base_edge - edge)), top + q * (bottom - top)};
     at.normal = {0.0, side * (top - bottom), 0.4 * (top - bottom) - (edge - base_edge)};
     at.depth = q;
   }
@@ -173,72 +238,73 @@ Canopy::Surface Canopy::pick_surface(int row, double s, const Fit& fit, bool wit
   return at;
 }
 
-Vector3f Canopy::light_leaf(const Surface& at, const Vector3d& leaf_normal, int row, double direction_rad,
+Vector3f Canopy::light_leaf(const Surface& at, const Vector3d& leaf_normal, const Course& course, double part,
                             base::Random& random) const {
   const Field& f = scene_.field;
-  const Vector3d sun = to_sun(direction_rad);
-  // Chance that no leaf of the envelope's own layer stands above this one.
-  const double open = std::exp(-f.leaf_layers * normal_above(at.outside));
-  double lit = random.uniform() < open + 0.25 ? 1.0 : 0.25;
+  const Vector3d& sun = course.sun;
+  double lit = random.uniform() < open_above(at.outside) + 0.25 ? 1.0 : 0.25;
   if (at.inner) lit *= 0.35;
-  lit *=
-      sunlight(at.point.x(), row * f.spacing_m + at.point.y() + 0.06 * sun.y(), at.point.z(), direction_rad);
+  lit *= course.at(at.left ? course.sun_left : course.sun_right, std::min(at.depth, 0.999999));
   const double facing = leaf_normal.dot(sun);
   const double front = std::max(0.0, facing), back = std::max(0.0, -facing);
   const double sky = (at.inner ? 0.45 : 1.0) * (0.35 + 0.65 * (1.0 - 0.7 * at.depth));
   const double direct = lit * (front + kTransmitted * back) / sun.z();
-  Vector3f colour = rgb(f.leaf_rgb);
   // Leaves differ in age: young ones are lighter and yellower, vines differ from each other.
-  const double vine = line_noise(key(26, row), at.point.x(), f.plant_spacing_m);
-  const auto tone = static_cast<float>(std::clamp(1.0 + 0.17 * random.normal() + 0.08 * vine, 0.5, 1.7));
-  const auto yellow = static_cast<float>(std::clamp(0.12 * random.normal() + 0.05 * vine + 0.05, -0.25, 0.6));
-  colour = colour.cwiseProduct(Vector3f(1.0F + yellow, 1.0F + 0.35F * yellow, 1.0F)) * tone;
-  Vector3f light = Vector3f(1.0F, 0.97F, 0.90F) * static_cast<float>(direct) +
-                   Vector3f(0.82F, 0.98F, 1.25F) * static_cast<float>(scene_.sun.diffuse * sky);
+  const double vine = course.at(course.tone, part);
+  const auto tone = static_cast<float>(std::clamp(1.0 + 0.17 * soft_normal(random) + 0.08 * vine, 0.5, 1.7));
+  const auto yellow =
+      static_cast<float>(std::clamp(0.12 * soft_normal(random) + 0.05 * vine + 0.05, -0.25, 0.6));
+  const Vector3f colour =
+      rgb(f.leaf_rgb).cwiseProduct(Vector3f(1.0F + yellow, 1.0F + 0.35F * yellow, 1.0F)) * tone;
+  Vector3f light =
+      kSunColour * static_cast<float>(direct) + kSkyColour * static_cast<float>(scene_.sun.diffuse * sky);
   if (back > 0.0) light = light.cwiseProduct(Vector3f(1.15F, 1.05F, 0.7F));
   return colour.cwiseProduct(light);
 }
 
-void Canopy::append_vines(int row, int piece, int level, const Fit& fit, bool calibrating,
-                          double direction_rad, std::vector<Leaf>& out) const {
+void Canopy::append_vines(const Piece& piece, const Fit& fit, std::vector<Leaf>& out) const {
   const Field& f = scene_.field;
-  const double stretch = kStretch[static_cast<std::size_t>(level)],
-               widen = kWiden[static_cast<std::size_t>(level)];
-  const bool with_inner = level < kFirstLevelWithoutInner;
+  const double stretch = stretch_of(piece.level), widen = widen_of(piece.level);
+  const bool with_inner = stretch * widen <= kCoarsestWithInner;
   const double wall = std::hypot(f.row_height_m - f.foliage_bottom_m, f.half_width_m - f.base_half_width_m);
   const double densest = 1.0 + 2.0 * f.density_variation;
   const double leaf_area = 0.25 * kPi * f.leaf_m * f.leaf_m;
   const double layers = f.leaf_layers + (with_inner ? kInnerLayers : 0.0);
   const double wanted =
       layers * 2.0 * (f.half_width_m + wall) * kPiece_m * densest / (leaf_area * stretch * widen);
-  base::Random random(key(27 + static_cast<std::uint64_t>(level), row, piece));
-  const int count = static_cast<int>(wanted + random.uniform());
+  const Course course = course_of(piece, fit);
+  const std::uint64_t piece_key = key(27 + static_cast<std::uint64_t>(piece.level), piece.row, piece.number);
+  const int count = static_cast<int>(wanted + unit_hash(piece_key));
   for (int i = 0; i < count; ++i) {
-    const double s = piece * kPiece_m + random.uniform() * kPiece_m;
-    const double present = calibrating ? 1.0 : density(row, s);
-    if (random.uniform() * densest >= present) continue;
-    const Surface at = pick_surface(row, s, fit, with_inner, random);
+    base::Random random(piece_key + static_cast<std::uint64_t>(i));
+    const double part = random.uniform();
+    if (random.uniform() * densest >= course.at(course.density, part)) continue;
+    const Surface at = pick_surface(course, part, with_inner, random);
+    if (at.depth > kHiddenFrom && piece.hidden_side == (at.left ? 1 : -1)) continue;
     const double half =
         0.5 * f.leaf_m * random.uniform(kLeafSizeLow, kLeafSizeHigh) * (at.inner ? kInnerSize : 1.0);
-    Vector3d normal = at.normal + kLeafTilt * Vector3d(random.normal(), random.normal(), random.normal());
     Leaf leaf;
-    if (level > 0) normal.x() = 0.0;
-    if (normal.norm() < 1e-6) normal = at.normal;
-    normal.normalize();
-    const double turn = random.uniform(0.0, 2.0 * kPi);
-    Vector3d along = level > 0 ? Vector3d::UnitX() : normal.unitOrthogonal();
-    Vector3d across = normal.cross(along);
-    if (level == 0) {
-      const Vector3d turned = std::cos(turn) * along + std::sin(turn) * across;
-      across = std::cos(turn) * across - std::sin(turn) * along;
-      along = turned;
+    Vector3d normal, along, across;
+    if (piece.level == 0) {
+      const double tilt_s = soft_normal(random), tilt_l = soft_normal(random), tilt_h = soft_normal(random);
+      normal = (at.normal + kLeafTilt * Vector3d(tilt_s, tilt_l, tilt_h)).normalized();
+      const double turn = random.uniform(0.0, 2.0 * kPi);
+      const Vector3d a = normal.unitOrthogonal(), b = normal.cross(a);
+      along = std::cos(turn) * a + std::sin(turn) * b;
+      across = std::cos(turn) * b - std::sin(turn) * a;
+    } else {
+      // Longer leaves lie along the row, and tilt about it.
+      const double tilt_l = soft_normal(random), tilt_h = soft_normal(random);
+      normal = (at.normal + kLeafTilt * Vector3d(0.0, tilt_l, tilt_h)).normalized();
+      along = Vector3d::UnitX();
+      across = normal.cross(along);
     }
-    Vector3d centre = at.point;
-    centre.y() += row * f.spacing_m;
+    const Vector3d centre((piece.number + part) * kPiece_m, piece.row * f.spacing_m + at.point.y(),
+                          at.point.z());
     leaf.centre = centre.cast<float>();
     leaf.along = (half * stretch * along).cast<float>();
     leaf.across = (half * widen * across).cast<float>();
-    if (!calibrating) leaf.colour = light_leaf(at, normal, row, direction_rad, random);
+    if (!piece.calibrating) leaf.colour = light_leaf(at, normal, course, part, random);
     out.push_back(leaf);
   }
 }
@@ -330,14 +396,15 @@ void Canopy::append_wood(int row, int piece, double direction_rad, std::vector<L
   }
 }
 
-void Canopy::append_piece(int row, int piece, int level, double direction_rad, std::vector<Leaf>& out) const {
+void Canopy::append_piece(int row, int piece, int level, double direction_rad, int hidden_side,
+                          std::vector<Leaf>& out) const {
   const Fit& fit = fits_[static_cast<std::size_t>(std::clamp(level, 0, kLevels - 1))];
   if (scene_.field.crop == Crop::corn) {
     append_corn(row, piece, fit, false, direction_rad, out);
     return;
   }
-  append_vines(row, piece, level, fit, false, direction_rad, out);
-  if (level < 3) append_wood(row, piece, direction_rad, out);
+  append_vines({row, piece, level, hidden_side, false, direction_rad}, fit, out);
+  if (stretch_of(level) * widen_of(level) <= kCoarsestWithWood) append_wood(row, piece, direction_rad, out);
 }
 
 Canopy::Fit Canopy::fit_level(int level) const {
@@ -352,7 +419,7 @@ Canopy::Fit Canopy::fit_level(int level) const {
       if (f.crop == Crop::corn) {
         append_corn(0, piece, fit, true, 0.0, leaves);
       } else {
-        append_vines(0, piece, level, fit, true, 0.0, leaves);
+        append_vines({0, piece, level, 0, true, 0.0}, fit, leaves);
       }
     }
     const Silhouette seen = measure_silhouette(leaves, kFitLength_m, f.half_width_m);

@@ -9,6 +9,10 @@
 
 namespace furrow::sim {
 
+/// Colours of the light, the sun's green channel about 1.
+inline const Eigen::Vector3f kSunColour(1.0F, 0.97F, 0.90F);
+inline const Eigen::Vector3f kSkyColour(0.82F, 0.98F, 1.25F);
+
 enum class Shape : std::uint8_t {
   leaf,   ///< lobed when large in the picture, a hexagon when small
   blade,  ///< a parallelogram: corn blades, trunks, posts
@@ -26,20 +30,31 @@ struct Leaf {
 /// levels hold fewer leaves that are longer along the row, with the same mean silhouette.
 class Canopy {
  public:
-  /// Level k holds leaves kStretch[k] times as long along the row and kWiden[k] times as wide.
-  static constexpr int kLevels = 7;
-  static constexpr std::array<double, kLevels> kStretch = {1, 2, 4, 8, 16, 16, 16};
-  static constexpr std::array<double, kLevels> kWiden = {1, 1, 1, 1, 1, 2, 3};
+  /// Level (i, j), numbered i + kStretches j, holds leaves kStretch[i] times as long along the row and
+  /// kWiden[j] times as wide.
+  static constexpr int kStretches = 5, kWidenings = 3;
+  static constexpr int kLevels = kStretches * kWidenings;
+  static constexpr std::array<double, kStretches> kStretch = {1, 2, 4, 8, 16};
+  static constexpr std::array<double, kWidenings> kWiden = {1, 2, 3};
+  static double stretch_of(int level) { return kStretch[static_cast<std::size_t>(level % kStretches)]; }
+  static double widen_of(int level) { return kWiden[static_cast<std::size_t>(level / kStretches)]; }
   static constexpr double kPiece_m = 1.0;
 
-  explicit Canopy(const Scene& scene);
+  /// Without `fitted` only density() and the shadows may be asked for; fitting takes a fraction of a second.
+  explicit Canopy(const Scene& scene, bool fitted = true);
 
   /// Appends the leaves of row `row`, s in [piece, piece + 1) m, as the sun lights them. `direction_rad`: of
   /// the row there.
-  void append_piece(int row, int piece, int level, double direction_rad, std::vector<Leaf>& out) const;
+  /// `hidden_side`: 1 to leave out what stands on the lower left wall because the camera is far to the right,
+  /// -1 the other way, 0 for all.
+  void append_piece(int row, int piece, int level, double direction_rad, int hidden_side,
+                    std::vector<Leaf>& out) const;
 
   /// Part of the sun's light that the rows let through to a point; `direction_rad` as above.
   double sunlight(double s, double l, double height_m, double direction_rad) const;
+
+  /// The same under rows without gaps: quicker, for leaves.
+  double sunlight_under_even_rows(const Eigen::Vector3d& sun, double l, double height_m) const;
 
   /// Sun's direction in row coordinates, and its height.
   Eigen::Vector3d to_sun(double direction_rad) const;
@@ -51,30 +66,53 @@ class Canopy {
   double envelope_half_width(double height_m) const;
 
  private:
+  /// What append_vines is asked for.
+  struct Piece {
+    int row, number, level;
+    int hidden_side;
+    bool calibrating;
+    double direction_rad;
+  };
   struct Fit {
     double inset_m = 0.0;  ///< the envelope's edge lies so far inside the stated half width
     double drop_m = 0.0;   ///< and its top below the stated height
+  };
+  /// What changes slowly along a row, over one piece.
+  struct Course {
+    static constexpr int kNodes = 11;
+    std::array<double, kNodes> top, left, right, density, tone;
+    /// Sun that reaches the walls from the top down, left and right.
+    std::array<double, kNodes> sun_left, sun_right;
+    Eigen::Vector3d sun;
+    double at(const std::array<double, kNodes>& nodes, double part) const {
+      const double x = part * (kNodes - 1);
+      const auto i = static_cast<std::size_t>(x);
+      return nodes[i] + (x - static_cast<double>(i)) * (nodes[i + 1] - nodes[i]);
+    }
   };
   struct Surface {
     Eigen::Vector3d point, normal;
     double depth;    ///< 0 at the top of the canopy, 1 at its lowest leaves
     double outside;  ///< offset outwards from the envelope, in sigmas
-    bool inner;
+    bool inner, left;
   };
-  void append_vines(int row, int piece, int level, const Fit& fit, bool calibrating, double direction_rad,
-                    std::vector<Leaf>& out) const;
+  void append_vines(const Piece& piece, const Fit& fit, std::vector<Leaf>& out) const;
   void append_corn(int row, int piece, const Fit& fit, bool calibrating, double direction_rad,
                    std::vector<Leaf>& out) const;
   void append_wood(int row, int piece, double direction_rad, std::vector<Leaf>& out) const;
-  Surface pick_surface(int row, double s, const Fit& fit, bool with_inner, base::Random& random) const;
-  Eigen::Vector3f light_leaf(const Surface& at, const Eigen::Vector3d& leaf_normal, int row,
-                             double direction_rad, base::Random& random) const;
+  Course course_of(const Piece& piece, const Fit& fit) const;
+  Surface pick_surface(const Course& course, double part, bool with_inner, base::Random& random) const;
+  Eigen::Vector3f light_leaf(const Surface& at, const Eigen::Vector3d& leaf_normal, const Course& course,
+                             double part, base::Random& random) const;
+  double open_above(double outside) const;
   Fit fit_level(int level) const;
   bool plant_missing(int row, std::int64_t plant) const;
   std::uint64_t key(std::uint64_t salt, std::int64_t a, std::int64_t b = 0) const;
 
   const Scene scene_;
   std::array<Fit, kLevels> fits_;
+  static constexpr int kOpenNodes = 65;
+  std::array<double, kOpenNodes> open_{};  ///< open_above() at offsets from -4 to 4 sigma
 };
 
 /// Mean silhouette of leaves seen from straight above, over a stretch of one row at l = 0.

@@ -14,8 +14,8 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr double kFarthest_m = 4000.0;   // beyond it the land is one with the haze
-constexpr double kAirLength_m = 1400.0;  // distance over which haze takes all but 1/e
-const Vector3f kHaze(0.62F, 0.70F, 0.78F);
+constexpr double kAirLength_m = 2200.0;  // distance over which haze takes all but 1/e
+const Vector3f kHaze(0.36F, 0.41F, 0.45F);
 
 float ramp(double x, double low, double high) {
   const double q = std::clamp((x - low) / (high - low), 0.0, 1.0);
@@ -144,7 +144,7 @@ Vector3f Backdrop::sky(const Vector3d& ray, double pixel_angle) const {
   const Vector3d toward = ray.normalized();
   const double up = std::asin(std::clamp(toward.z(), -1.0, 1.0));
   const double around = std::atan2(toward.y(), toward.x());
-  const Vector3f high(0.28F, 0.46F, 0.80F), low(0.78F, 0.84F, 0.90F);
+  const Vector3f high(0.13F, 0.25F, 0.52F), low(0.44F, 0.50F, 0.56F);
   Vector3f colour = mix(low, high, 1.0F - static_cast<float>(std::exp(-std::max(0.0, up) / 0.22)));
   // A far ridge, and a line of trees and houses before it.
   const auto a = static_cast<float>(around);
@@ -153,8 +153,8 @@ Vector3f Backdrop::sky(const Vector3d& ray, double pixel_angle) const {
   const float trees = 0.006F + 0.004F * plane_noise(key_ + 402, a * 40.0F, 0.5F) +
                       0.004F * plane_noise(key_ + 403, a * 160.0F, 0.5F);
   const double soft = 0.7 * pixel_angle;
-  colour = mix(colour, {0.36F, 0.43F, 0.50F}, 1.0F - ramp(up - static_cast<double>(ridge), -soft, soft));
-  return mix(colour, {0.10F, 0.13F, 0.09F}, 1.0F - ramp(up - static_cast<double>(trees), -soft, soft));
+  colour = mix(colour, {0.20F, 0.255F, 0.31F}, 1.0F - ramp(up - static_cast<double>(ridge), -soft, soft));
+  return mix(colour, {0.075F, 0.095F, 0.07F}, 1.0F - ramp(up - static_cast<double>(trees), -soft, soft));
 }
 
 Backdrop::Hit Backdrop::look(const Vector3d& centre, const Vector3d& ray, double pixel_angle) const {
@@ -180,12 +180,17 @@ Backdrop::Hit Backdrop::look(const Vector3d& centre, const Vector3d& ray, double
     const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
     const double footprint_s = std::abs(cosine) * away_m + sine * across_m;
     const double footprint_l = sine * away_m + std::abs(cosine) * across_m;
-    const double sun = canopy_.sunlight(s, l, 0.0, direction);
+    // Leaves leave a ragged edge and let flecks of sun through.
+    constexpr std::array<Octave, 3> kFlecks = {{{0.45, 0.5F}, {0.16, 0.5F}, {0.06, 0.45F}}};
+    const auto flecks =
+        static_cast<double>(texture(key_ + 500, s, l, std::max(footprint_s, footprint_l), kFlecks));
+    const double sun =
+        canopy_.sunlight(s, l + 0.16 * flecks, 0.0, direction) + std::clamp(2.2 * (flecks - 0.33), 0.0, 0.55);
     // Sky that the plants hide from the soil beside them.
     const double across = std::abs(l - scene_.field.spacing_m * std::round(l / scene_.field.spacing_m));
     const double open = 0.45 + 0.55 * static_cast<double>(ramp(across, 0.0, 1.6 * scene_.field.half_width_m));
-    const Vector3f light = Vector3f(1.0F, 0.97F, 0.90F) * static_cast<float>(sun) +
-                           Vector3f(0.82F, 0.98F, 1.25F) * static_cast<float>(scene_.sun.diffuse * open);
+    const Vector3f light = kSunColour * static_cast<float>(std::min(sun, 1.0)) +
+                           kSkyColour * static_cast<float>(scene_.sun.diffuse * open);
     hit.colour = soil(s, l, footprint_s, footprint_l).cwiseProduct(light);
   } else {
     hit.colour = land(s, l, std::max(across_m, away_m)) * static_cast<float>(1.0 + scene_.sun.diffuse);

@@ -70,22 +70,52 @@ float noise_of(std::uint64_t bits) {
   return (part(0) + part(1) + part(2) + part(3)) * 1.7320508F;
 }
 
+constexpr int kNode_px = 8;
+
+/// Catmull-Rom weights of the nodes before, at, after and next after a place `step` pixels beyond a node.
+std::array<double, 4> cubic_weights(int step) {
+  const double q = static_cast<double>(step) / kNode_px;
+  return {0.5 * q * (q * (2.0 - q) - 1.0), 0.5 * (q * q * (3.0 * q - 5.0) + 2.0),
+          0.5 * q * (q * (4.0 - 3.0 * q) + 1.0), 0.5 * q * q * (q - 1.0)};
+}
+
 }  // namespace
 
 RayTable::RayTable(const Camera& camera)
     : width_(camera.width),
       height_(camera.height),
       rays_(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height)) {
-  base::parallel_for(static_cast<std::size_t>(height_), 0, [&](std::size_t v) {
+  // Exact directions at every kNode_px-th pixel, and one node beyond each border; Catmull-Rom cubics between
+  // them. Lens distortion is so smooth that the difference stays below 1e-5 px (a test holds it).
+  const int nodes_u = (width_ - 1) / kNode_px + 4, nodes_v = (height_ - 1) / kNode_px + 4;
+  std::vector<Eigen::Vector2d> nodes(static_cast<std::size_t>(nodes_u) * static_cast<std::size_t>(nodes_v));
+  base::parallel_for(nodes.size(), 0, [&](std::size_t i) {
+    const int u = (static_cast<int>(i) % nodes_u - 1) * kNode_px,
+              v = (static_cast<int>(i) / nodes_u - 1) * kNode_px;
+    // A pixel beyond the lens model's fold sees nothing of the world; it gets the pinhole's direction.
+    const Eigen::Vector2d pinhole((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy);
+    nodes[i] = camera::unproject(camera, {static_cast<double>(u), static_cast<double>(v)}).value_or(pinhole);
+  });
+  base::parallel_for(static_cast<std::size_t>(height_), 0, [&](std::size_t row) {
+    const int v = static_cast<int>(row);
+    const auto weights_v = cubic_weights(v % kNode_px);
     for (int u = 0; u < width_; ++u) {
-      const auto ray = camera::unproject(camera, {static_cast<double>(u), static_cast<double>(v)});
-      // A pixel beyond the lens model's fold sees nothing of the world; it gets the pinhole's direction.
-      const Eigen::Vector2d pinhole((u - camera.cx) / camera.fx,
-                                    (static_cast<double>(v) - camera.cy) / camera.fy);
-      rays_[v * static_cast<std::size_t>(width_) + static_cast<std::size_t>(u)] = ray.value_or(pinhole);
+      const auto weights_u = cubic_weights(u % kNode_px);
+      Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+      for (std::size_t j = 0; j < 4; ++j) {
+        const std::size_t line =
+            (static_cast<std::size_t>(v / kNode_px) + j) * static_cast<std::size_t>(nodes_u);
+        for (std::size_t i = 0; i < 4; ++i) {
+          sum += weights_u[i] * weights_v[j] * nodes[line + static_cast<std::size_t>(u / kNode_px) + i];
+        }
+      }
+      rays_[row * static_cast<std::size_t>(width_) + static_cast<std::size_t>(u)] = sum;
     }
   });
-  for (const Eigen::Vector2d& ray : rays_) reach_ = std::max(reach_, ray.norm());
+  for (const Eigen::Vector2d& ray : rays_) {
+    low_ = low_.cwiseMin(ray);
+    high_ = high_.cwiseMax(ray);
+  }
 }
 
 Eigen::Vector2d RayTable::at(double u, double v) const {

@@ -17,12 +17,13 @@ class RayTable {
     return rays_[static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) +
                  static_cast<std::size_t>(u)];
   }
-  /// Largest distance of a pixel's ray from the axis, on the plane z = 1.
-  double reach() const { return reach_; }
+  /// The smallest box on the plane z = 1 that holds all rays.
+  const Eigen::Vector2d& low() const { return low_; }
+  const Eigen::Vector2d& high() const { return high_; }
 
  private:
   int width_, height_;
-  double reach_ = 0.0;
+  Eigen::Vector2d low_ = Eigen::Vector2d::Zero(), high_ = Eigen::Vector2d::Zero();
   std::vector<Eigen::Vector2d> rays_;
 };
 

@@ -23,7 +23,7 @@ using Eigen::Vector3f;
 
 constexpr double kNearest_m = 0.15;     // nothing nearer than that is drawn
 constexpr double kPieceRadius_m = 1.3;  // of a piece of row about its middle, beyond its half width
-constexpr double kAlong_px = 3.5;       // leaves may grow along the row up to this in the picture
+constexpr double kAlong_px = 4.5;       // leaves may grow along the row up to this in the picture
 constexpr double kAcross_px = 3.0;      // and across it
 constexpr double kLobed_px = 9.0;       // half size in the picture from which a leaf shows its lobes
 constexpr double kExact_px = 5.0;       // half size up to which one linear map serves a whole leaf
@@ -97,13 +97,14 @@ namespace {
 class Painter {
  public:
   Painter(const Scene& scene, const Terrain& terrain, const RowFrame& rows, const Canopy& canopy,
-          const Poses& poses, double reach, SampleBuffer& samples)
+          const Poses& poses, const RayTable& rays, SampleBuffer& samples)
       : scene_(scene),
         terrain_(terrain),
         rows_(rows),
         canopy_(canopy),
         poses_(poses),
-        reach_(1.05 * reach),
+        rays_(rays),
+        reach_(1.1 * std::max(rays.low().norm(), rays.high().norm())),
         samples_(samples) {
     colours_.push_back(Vector3f::Zero());
   }
@@ -125,16 +126,28 @@ class Painter {
     const Vector3d middle(xy.x(), xy.y(), terrain_.height(xy.x(), xy.y()) + 0.6 * f.row_height_m);
     const Pose& pose = poses_.middle();
     const Vector3d in_cam = pose.cam_from_plan * (middle - pose.centre);
-    const double radius = kPieceRadius_m + f.half_width_m;
-    if (in_cam.z() < -radius) return;
-    // Outside the cone of the picture, by more than the piece's own size.
-    const double off_axis = std::hypot(in_cam.x(), in_cam.y());
-    if (off_axis - radius * std::hypot(1.0, reach_) > reach_ * in_cam.z() && in_cam.norm() > radius) return;
     const double direction = rows_.direction(s);
+    const int level = level_of(middle - pose.centre, direction);
+    const double radius = 0.5 * Canopy::kPiece_m + 0.6 * f.row_height_m + f.half_width_m +
+                          0.5 * f.leaf_m * Canopy::stretch_of(level);
+    if (!may_be_seen(in_cam, radius)) return;
     leaves_.clear();
-    canopy_.append_piece(row, piece, level_of(middle - pose.centre, direction), direction, leaves_);
+    // Well to the side of a row, the far wall is behind the row's own leaves.
+    const double aside = rows_.row_from_plan(pose.centre.x(), pose.centre.y()).y() - l;
+    const int hidden = level > 0 && std::abs(aside) > 2.0 * f.half_width_m ? (aside > 0.0 ? -1 : 1) : 0;
+    canopy_.append_piece(row, piece, level, direction, hidden, leaves_);
     const Eigen::Matrix2d turn = Eigen::Rotation2Dd(direction).toRotationMatrix();
     for (const Leaf& leaf : leaves_) paint_leaf(leaf, turn);
+  }
+
+  /// Whether a ball reaches into the pyramid of the picture.
+  bool may_be_seen(const Vector3d& in_cam, double radius) const {
+    if (in_cam.z() < -radius) return false;
+    const auto beyond = [&](double x, double limit) {
+      return x - limit * in_cam.z() > radius * std::hypot(1.0, limit);
+    };
+    return !beyond(in_cam.x(), rays_.high().x()) && !beyond(-in_cam.x(), -rays_.low().x()) &&
+           !beyond(in_cam.y(), rays_.high().y()) && !beyond(-in_cam.y(), -rays_.low().y());
   }
 
   int level_of(const Vector3d& away, double direction) const {
@@ -144,16 +157,14 @@ class Painter {
     // Seen from its nearest point a piece shows more of its length; half a metre nearer is the worst of a 1 m
     // piece.
     const double sine = std::min(1.0, away.cross(along).norm() / distance + 0.5 / distance);
-    int level = 0;
-    for (int next = 1; next < Canopy::kLevels; ++next) {
-      const auto i = static_cast<std::size_t>(next);
-      const double along_px = Canopy::kStretch[i] * scene_.field.leaf_m * px_per_m * sine;
-      const double across_px = Canopy::kWiden[i] * scene_.field.leaf_m * px_per_m;
-      const bool wider = Canopy::kWiden[i] > Canopy::kWiden[i - 1];
-      if (along_px > kAlong_px || (wider && across_px > kAcross_px)) break;
-      level = next;
+    const double leaf_px = scene_.field.leaf_m * px_per_m;
+    int longer = 0, wider = 0;
+    const auto step = [](int i) { return static_cast<std::size_t>(i) + 1; };
+    while (longer + 1 < Canopy::kStretches && Canopy::kStretch[step(longer)] * leaf_px * sine <= kAlong_px) {
+      ++longer;
     }
-    return level;
+    while (wider + 1 < Canopy::kWidenings && Canopy::kWiden[step(wider)] * leaf_px <= kAcross_px) ++wider;
+    return longer + Canopy::kStretches * wider;
   }
 
   Vector3d in_plan(const Vector3f& row_offset, const Eigen::Matrix2d& turn) const {
@@ -163,7 +174,8 @@ class Painter {
 
   std::optional<Vector2f> project(const Vector3d& x_in_cam) const {
     if (x_in_cam.z() < kNearest_m) return std::nullopt;
-    if (std::hypot(x_in_cam.x(), x_in_cam.y()) > 1.3 * reach_ * x_in_cam.z()) return std::nullopt;
+    const double limit = reach_ * x_in_cam.z();
+    if (x_in_cam.head<2>().squaredNorm() > limit * limit) return std::nullopt;
     const auto px = camera::project(scene_.camera, x_in_cam);
     if (!px) return std::nullopt;
     return px->cast<float>();
@@ -254,7 +266,8 @@ class Painter {
   const RowFrame& rows_;
   const Canopy& canopy_;
   const Poses& poses_;
-  const double reach_;
+  const RayTable& rays_;
+  const double reach_;  // no ray of the picture lies farther from the axis, on the plane z = 1
   SampleBuffer& samples_;
   std::vector<Vector3f> colours_;
   std::vector<Leaf> leaves_;
@@ -267,7 +280,7 @@ LightImage Renderer::Shared::expose(double t_s) const {
   const int width = scene.camera.width, height = scene.camera.height;
   const Poses poses(path, t_s, scene.pictures.readout_time_s, height);
   SampleBuffer samples(width, height);
-  Painter painter(scene, terrain, rows, canopy, poses, rays.reach(), samples);
+  Painter painter(scene, terrain, rows, canopy, poses, rays, samples);
   painter.paint(first_s, last_s);
   const std::vector<Vector3f>& colours = painter.colours();
   LightImage light(width, height);
