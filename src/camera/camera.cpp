@@ -57,12 +57,11 @@ std::optional<Eigen::Vector2d> newton(const Camera& camera, const Coefficients& 
   const Eigen::Vector2d focal(camera.fx, camera.fy);
   constexpr int kMaxSteps = 60;
   for (int step = 0; step < kMaxSteps; ++step) {
-    const Distorted at = distort_with_jacobians(k, xy);
-    const Eigen::Vector2d residual = wanted - at.xy;
+    const Eigen::Vector2d residual = wanted - distort(k, xy);
     const double miss_px = residual.cwiseProduct(focal).norm();
     // Below the promise by a margin, above the rounding of pixel numbers in the thousands.
     if (miss_px < 1e-2 * kConvergedPx) return xy;
-    const Eigen::Vector2d delta = at.d_xy.inverse() * residual;
+    const Eigen::Vector2d delta = distort_jacobian(k, xy).inverse() * residual;
     if (!delta.allFinite()) return std::nullopt;
     double share = 1.0;
     constexpr double kSmallestShare = 1e-6;
@@ -79,26 +78,22 @@ std::optional<Eigen::Vector2d> newton(const Camera& camera, const Coefficients& 
 bool unfolded_from_axis(const Coefficients& k, const Eigen::Vector2d& xy) {
   constexpr int kSamples = 8;
   for (int i = 1; i <= kSamples; ++i) {
-    const Distorted at = distort_with_jacobians(k, xy * (static_cast<double>(i) / kSamples));
-    if (!(at.d_xy.determinant() > 0.0)) return false;
+    if (!(distort_jacobian(k, xy * (static_cast<double>(i) / kSamples)).determinant() > 0.0)) return false;
   }
   return true;
 }
 
-std::optional<Eigen::Vector2d> unproject_below(const Camera& camera, const Coefficients& k, double fold,
-                                               const Eigen::Vector2d& px) {
-  const Eigen::Vector2d wanted((px.x() - camera.cx) / camera.fx, (px.y() - camera.cy) / camera.fy);
-  if (!wanted.allFinite()) return std::nullopt;
-  if (k.isZero(0.0)) return wanted;
-  const double distorted = wanted.norm();
-  if (distorted == 0.0) return newton(camera, k, wanted, wanted);
+/// By the radial inverse below the fold, which is found for this call: the slow and sure way.
+std::optional<Eigen::Vector2d> unproject_below_fold(const Camera& camera, const Coefficients& k,
+                                                    const Eigen::Vector2d& wanted) {
+  const double fold = radial_fold(k), distorted = wanted.norm();
   // Near the fold the tangential terms may carry a pixel across the radial limit: start just inside and let
   // Newton decide.
   constexpr double kJustInside = 0.98;
   const std::optional<double> r = invert_radial(k, distorted, fold);
   if (!r && !std::isfinite(fold)) return std::nullopt;
-  const std::optional<Eigen::Vector2d> xy =
-      newton(camera, k, wanted, wanted * (r.value_or(kJustInside * fold) / distorted));
+  const double share = distorted > 0.0 ? r.value_or(kJustInside * fold) / distorted : 1.0;
+  const std::optional<Eigen::Vector2d> xy = newton(camera, k, wanted, wanted * share);
   if (!xy || !unfolded_from_axis(k, *xy)) return std::nullopt;
   return xy;
 }
@@ -207,17 +202,14 @@ std::optional<double> fold_radius(const Camera& camera) {
 
 std::optional<Eigen::Vector2d> unproject(const Camera& camera, const Eigen::Vector2d& px) {
   const Coefficients k = coefficients(camera);
-  return unproject_below(camera, k, radial_fold(k), px);
-}
-
-std::vector<std::optional<Eigen::Vector2d>> unproject_all(const Camera& camera,
-                                                          const std::vector<Eigen::Vector2d>& px) {
-  const Coefficients k = coefficients(camera);
-  const double fold = radial_fold(k);
-  std::vector<std::optional<Eigen::Vector2d>> out;
-  out.reserve(px.size());
-  for (const Eigen::Vector2d& p : px) out.push_back(unproject_below(camera, k, fold, p));
-  return out;
+  const Eigen::Vector2d wanted((px.x() - camera.cx) / camera.fx, (px.y() - camera.cy) / camera.fy);
+  if (!wanted.allFinite()) return std::nullopt;
+  if (k.isZero(0.0)) return wanted;
+  // Newton from the pixel itself is right nearly everywhere; only where that cannot be shown is the fold
+  // looked for.
+  const std::optional<Eigen::Vector2d> quick = newton(camera, k, wanted, wanted);
+  if (quick && surely_grows_to(k, quick->norm()) && unfolded_from_axis(k, *quick)) return quick;
+  return unproject_below_fold(camera, k, wanted);
 }
 
 std::optional<Eigen::Matrix2d> unproject_jacobian(const Camera& camera,

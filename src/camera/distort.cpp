@@ -36,14 +36,6 @@ double evaluate(const Polynomial& c, double s) {
   return sum;
 }
 
-Polynomial multiply(const Polynomial& a, const Polynomial& b) {
-  Polynomial out(a.size() + b.size() - 1, 0.0);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    for (std::size_t j = 0; j < b.size(); ++j) out[i + j] += a[i] * b[j];
-  }
-  return out;
-}
-
 double bisect(const Polynomial& c, double low, double high) {
   const bool low_positive = evaluate(c, low) > 0.0;
   // 200 halvings pass the spacing of doubles from any start.
@@ -90,17 +82,25 @@ Eigen::Vector2d distort(const Coefficients& k, const Eigen::Vector2d& xy) {
           y * a + k[p1] * (s + 2.0 * y * y) + 2.0 * k[p2] * x * y + s * (k[s3] + s * k[s4])};
 }
 
+Eigen::Matrix2d distort_jacobian(const Coefficients& k, const Eigen::Vector2d& xy) {
+  const double x = xy.x(), y = xy.y(), s = xy.squaredNorm();
+  const Radial a = radial_terms(k, s);
+  const double prism_x = k[s1] + 2.0 * s * k[s2], prism_y = k[s3] + 2.0 * s * k[s4];
+  const double cross = 2.0 * x * y * a.slope + 2.0 * k[p1] * x + 2.0 * k[p2] * y;
+  Eigen::Matrix2d out;
+  out(0, 0) = a.value + 2.0 * x * x * a.slope + 2.0 * k[p1] * y + 6.0 * k[p2] * x + 2.0 * x * prism_x;
+  out(0, 1) = cross + 2.0 * y * prism_x;
+  out(1, 0) = cross + 2.0 * x * prism_y;
+  out(1, 1) = a.value + 2.0 * y * y * a.slope + 6.0 * k[p1] * y + 2.0 * k[p2] * x + 2.0 * y * prism_y;
+  return out;
+}
+
 Distorted distort_with_jacobians(const Coefficients& k, const Eigen::Vector2d& xy) {
   const double x = xy.x(), y = xy.y(), s = xy.squaredNorm();
   const Radial a = radial_terms(k, s);
   Distorted out;
   out.xy = distort(k, xy);
-  const double prism_x = k[s1] + 2.0 * s * k[s2], prism_y = k[s3] + 2.0 * s * k[s4];
-  const double cross = 2.0 * x * y * a.slope + 2.0 * k[p1] * x + 2.0 * k[p2] * y;
-  out.d_xy(0, 0) = a.value + 2.0 * x * x * a.slope + 2.0 * k[p1] * y + 6.0 * k[p2] * x + 2.0 * x * prism_x;
-  out.d_xy(0, 1) = cross + 2.0 * y * prism_x;
-  out.d_xy(1, 0) = cross + 2.0 * x * prism_y;
-  out.d_xy(1, 1) = a.value + 2.0 * y * y * a.slope + 6.0 * k[p1] * y + 2.0 * k[p2] * x + 2.0 * y * prism_y;
+  out.d_xy = distort_jacobian(k, xy);
   const double by_numerator = 1.0 / a.denominator, by_denominator = -a.value / a.denominator;
   const std::array<double, 3> powers{s, s * s, s * s * s};
   out.d_coefficients.setZero();
@@ -122,19 +122,47 @@ double radial(const Coefficients& k, double r) {
   return r * radial_terms(k, r * r).value;
 }
 
+namespace {
+
+/// Terms of s whose sign is that of d/dr (r N/D): (N + 2 s N') D - 2 s N D'.
+std::array<double, 7> growth_terms(const Coefficients& k) {
+  const std::array<double, 4> n{1.0, k[k1], k[k2], k[k3]}, d{1.0, k[k4], k[k5], k[k6]};
+  std::array<double, 7> out{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t j = 0; j < 4; ++j) {
+      const double order = 1.0 + 2.0 * static_cast<double>(i) - 2.0 * static_cast<double>(j);
+      out[i + j] += order * n[i] * d[j];
+    }
+  }
+  return out;
+}
+
+/// Whether c[0] + c[1] s + ... stays above 0 on [0, limit] even with every negative term at its largest.
+template <std::size_t kCount>
+bool surely_positive(const std::array<double, kCount>& c, double limit) {
+  double bound = c[0], power = 1.0;
+  for (std::size_t i = 1; i < kCount; ++i) {
+    power *= limit;
+    bound += std::min(0.0, c[i]) * power;
+  }
+  return bound > 0.0;
+}
+
+}  // namespace
+
+bool surely_grows_to(const Coefficients& k, double r) {
+  return surely_positive(growth_terms(k), r * r) &&
+         surely_positive(std::array<double, 4>{1.0, k[k4], k[k5], k[k6]}, r * r);
+}
+
 double radial_fold(const Coefficients& k) {
-  // d/dr (r N/D) has the sign of (N + 2 s N') D - 2 s N D'.
-  const Polynomial n{1.0, k[k1], k[k2], k[k3]}, d{1.0, k[k4], k[k5], k[k6]};
-  const Polynomial n_and_slope{1.0, 3.0 * k[k1], 5.0 * k[k2], 7.0 * k[k3]};
-  const Polynomial two_s_d_slope{0.0, 2.0 * k[k4], 4.0 * k[k5], 6.0 * k[k6]};
-  Polynomial growth = multiply(n_and_slope, d);
-  const Polynomial drag = multiply(n, two_s_d_slope);
-  for (std::size_t i = 0; i < growth.size(); ++i) growth[i] -= drag[i];
+  const std::array<double, 7> growth = growth_terms(k);
   // Half a milliradian short of 90 degrees off the axis; no unit-plane model is used farther out.
   constexpr double kFarthestRadius = 2000.0;
   const double limit = kFarthestRadius * kFarthestRadius;
   double nearest = std::numeric_limits<double>::infinity();
-  for (const Polynomial& c : {growth, d}) {
+  for (const Polynomial& c :
+       {Polynomial(growth.begin(), growth.end()), Polynomial{1.0, k[k4], k[k5], k[k6]}}) {
     const std::vector<double> roots = roots_within(c, limit);
     if (!roots.empty()) nearest = std::min(nearest, std::sqrt(roots.front()));
   }

@@ -22,10 +22,17 @@ struct Distorted {
 Eigen::Vector2d distort(const Coefficients& k, const Eigen::Vector2d& xy);
 Distorted distort_with_jacobians(const Coefficients& k, const Eigen::Vector2d& xy);
 
+/// The derivative by the undistorted point alone.
+Eigen::Matrix2d distort_jacobian(const Coefficients& k, const Eigen::Vector2d& xy);
+
 /// r -> r N(r^2) / D(r^2): the radial part alone, in distance from the axis.
 double radial(const Coefficients& k, double r);
 
 /// Smallest r > 0 at which radial() stops growing or has a pole; infinity when there is none.
 double radial_fold(const Coefficients& k);
+
+/// True only when radial() grows, without a pole, all the way to `r`; a bound by signs, so false means "look
+/// closer". Far cheaper than radial_fold().
+bool surely_grows_to(const Coefficients& k, double r);
 
 }  // namespace furrow::camera

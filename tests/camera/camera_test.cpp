@@ -163,13 +163,6 @@ TEST(Camera, UnprojectJacobianIsTheInverse) {
   }
 }
 
-TEST(Camera, ManyAtOnceEqualOneByOne) {
-  const Camera camera = test_camera(CameraModel::opencv5);
-  const std::vector<Eigen::Vector2d> px{{10, 10}, {640, 480}, {1279, 959}};
-  const auto all = unproject_all(camera, px);
-  for (std::size_t i = 0; i < px.size(); ++i) EXPECT_EQ(all[i], unproject(camera, px[i]));
-}
-
 // Pixel centres: the point seen at u in the large picture is seen at (u + 0.5) / 2 - 0.5 in the half one.
 TEST(Camera, ResizedCameraSeesTheSameField) {
   Camera camera = test_camera(CameraModel::opencv5);

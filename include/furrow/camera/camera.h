@@ -74,10 +74,6 @@ std::optional<double> fold_radius(const Camera& camera);
 /// the axis crosses one.
 std::optional<Eigen::Vector2d> unproject(const Camera& camera, const Eigen::Vector2d& px);
 
-/// unproject() for many pixels: the fold is found once.
-std::vector<std::optional<Eigen::Vector2d>> unproject_all(const Camera& camera,
-                                                          const std::vector<Eigen::Vector2d>& px);
-
 /// d(unit plane) / d(px) at an unprojected point: the inverse of the 2x2 projection Jacobian.
 std::optional<Eigen::Matrix2d> unproject_jacobian(const Camera& camera, const Eigen::Vector2d& on_unit_plane);
 

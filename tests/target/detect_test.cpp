@@ -1,0 +1,189 @@
+#include "furrow/target/detect.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <numbers>
+
+#include "furrow/base/file.h"
+#include "furrow/stats/robust.h"
+#include "target/render_board.h"
+
+namespace furrow::target {
+namespace {
+
+const BoardSpec kBoard{"test", 9, 6, 0.025, 1.0};
+
+struct Scene {
+  Camera camera;
+  Rigid3 pose;
+  Image picture;
+  std::vector<Eigen::Vector2d> truth_px;
+};
+
+Scene scene(const BoardSpec& board, const Camera& camera, const Rigid3& pose) {
+  Scene out{camera, pose, render_board(camera, board, pose), {}};
+  for (const Eigen::Vector3d& x : corners_in_board(board))
+    out.truth_px.push_back(*camera::project(camera, pose * x));
+  return out;
+}
+
+double worst_px(const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vector2d>& b) {
+  double worst = a.size() == b.size() ? 0.0 : 1e9;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+    worst = std::max(worst, (a[i] - b[i]).norm());
+  return worst;
+}
+
+TEST(Detect, CornersAreWhereTheyWereDrawn) {
+  const Camera camera = plain_camera(640, 480, 520.0);
+  for (const Eigen::Vector3d& turn :
+       std::vector<Eigen::Vector3d>{{0, 0, 0}, {0.4, 0.1, 0.05}, {-0.3, 0.5, 0.3}, {0.1, -0.6, -0.2}}) {
+    const Scene s = scene(kBoard, camera, facing(kBoard, 0.45, turn));
+    const BoardDetection found = detect_board(s.picture, kBoard);
+    ASSERT_TRUE(found.found) << found.reason;
+    EXPECT_LT(worst_px(found.corners_px, s.truth_px), 0.1) << turn.transpose();
+    EXPECT_EQ(found.sigma_px.size(), 54U);
+  }
+}
+
+TEST(Detect, LargePictureIsRefinedAtFullSize) {
+  const Camera camera = plain_camera(3000, 2000, 2300.0);
+  const Scene s = scene(kBoard, camera, facing(kBoard, 0.6, {0.2, -0.3, 0.1}));
+  const BoardDetection found = detect_board(s.picture, kBoard);
+  ASSERT_TRUE(found.found) << found.reason;
+  EXPECT_LT(worst_px(found.corners_px, s.truth_px), 0.1);
+}
+
+// Whichever way the camera is rolled, the same printed corner comes first, and x cross y points away from the
+// camera.
+TEST(Detect, OrderFollowsTheBoardNotThePicture) {
+  const Camera camera = plain_camera(640, 480, 520.0);
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    const double roll = quarter * std::numbers::pi / 2 + 0.1;
+    const Scene s = scene(kBoard, camera, facing(kBoard, 0.55, {0, 0, roll}));
+    const BoardDetection found = detect_board(s.picture, kBoard);
+    ASSERT_TRUE(found.found) << found.reason << " quarter " << quarter;
+    EXPECT_LT(worst_px(found.corners_px, s.truth_px), 0.1) << "quarter " << quarter;
+  }
+}
+
+// 8 x 6: half a turn looks the same, so the first corner is the one nearer to the picture's top-left.
+TEST(Detect, SymmetricBoardStartsAtTheTopLeft) {
+  const BoardSpec board{"even", 8, 6, 0.025, 1.0};
+  const Camera camera = plain_camera(640, 480, 520.0);
+  for (const double roll : {0.1, 0.1 + std::numbers::pi}) {
+    const Scene s = scene(board, camera, facing(board, 0.5, {0, 0, roll}));
+    const BoardDetection found = detect_board(s.picture, board);
+    ASSERT_TRUE(found.found) << found.reason;
+    EXPECT_LT(found.corners_px.front().sum(), found.corners_px.back().sum());
+  }
+}
+
+TEST(Detect, AnotherCountOfCornersIsNotFound) {
+  const Camera camera = plain_camera(640, 480, 520.0);
+  const Scene s = scene(kBoard, camera, facing(kBoard, 0.5, {0.2, 0.1, 0}));
+  for (const auto& [nx, ny] : {std::pair{10, 7}, {9, 5}, {8, 6}, {7, 7}, {9, 7}}) {
+    const BoardDetection found = detect_board(s.picture, {"wrong", nx, ny, 0.025, 1.0});
+    EXPECT_FALSE(found.found) << nx << "x" << ny;
+    EXPECT_FALSE(found.reason.empty());
+  }
+}
+
+TEST(Detect, BoardPartlyOutOfThePictureIsNotFound) {
+  const Camera camera = plain_camera(640, 480, 520.0);
+  const Scene s = scene(kBoard, camera, facing(kBoard, 0.4, {0.1, 0.1, 0}, {0.12, 0.0}));
+  EXPECT_FALSE(detect_board(s.picture, kBoard).found);
+}
+
+TEST(Detect, NoBoardNoAnswerWhateverThePicture) {
+  base::Random random(7);
+  Image noise = image::make_image(320, 240, 3);
+  for (auto& value : noise.data) value = static_cast<std::uint8_t>(random.below(256));
+  Image flat = image::make_image(640, 480, 3), tiny = image::make_image(1, 1, 3),
+        thin = image::make_image(4000, 3, 1);
+  for (const Image& picture : {noise, flat, tiny, thin, Image{}})
+    EXPECT_FALSE(detect_board(picture, kBoard).found);
+}
+
+// The claimed sigma against the scatter of re-noised pictures. The claim leaves out rounding and the
+// interpolation's smoothing.
+TEST(Detect, ClaimedSigmaIsTheScatterOfNoisyPictures) {
+  const Camera camera = plain_camera(480, 360, 400.0);
+  const BoardSpec board{"small", 5, 4, 0.025, 1.0};
+  const Scene s = scene(board, camera, facing(board, 0.3, {0.3, -0.2, 0.1}));
+  constexpr int kTrials = 60;
+  std::vector<std::vector<double>> u(20);
+  std::vector<double> claimed(20, 0.0);
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const BoardDetection found =
+        detect_board(with_noise(s.picture, 5.0, 100 + static_cast<std::uint64_t>(trial)), board);
+    ASSERT_TRUE(found.found) << found.reason;
+    for (std::size_t i = 0; i < 20; ++i) {
+      u[i].push_back(found.corners_px[i].x());
+      claimed[i] += found.sigma_px[i] / kTrials;
+    }
+  }
+  std::vector<double> ratio;
+  for (std::size_t i = 0; i < 20; ++i) ratio.push_back(claimed[i] / stats::standard_deviation(u[i]));
+  EXPECT_GT(stats::median(ratio), 0.75);
+  EXPECT_LT(stats::median(ratio), 1.33);
+}
+
+class DetectFiles : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("furrow_detect_test_" + std::to_string(std::rand()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path folder_;
+};
+
+TEST_F(DetectFiles, NamesCopiesStraysAndRubbish) {
+  const Camera camera = plain_camera(640, 480, 520.0);
+  const Image one = render_board(camera, kBoard, facing(kBoard, 0.5, {0.1, 0, 0}), 2);
+  const Image two = render_board(camera, kBoard, facing(kBoard, 0.5, {0, 0.3, 0}), 2);
+  const Image stray =
+      render_board(plain_camera(641, 481, 520.0), kBoard, facing(kBoard, 0.5, {0, 0.3, 0}), 2);
+  for (const auto& [name, picture] :
+       {std::pair{"a b.png", &one}, {"b.png", &two}, {"c.png", &one}, {"d.png", &stray}}) {
+    ASSERT_TRUE(image::write_image(folder_ / name, *picture).ok());
+  }
+  ASSERT_TRUE(base::write_file(folder_ / "e.jpg", "not a picture").ok());
+  std::vector<std::filesystem::path> files;
+  for (const char* name : {"a b.png", "b.png", "c.png", "d.png", "e.jpg", "f.jpg"})
+    files.push_back(folder_ / name);
+  std::size_t last = 0;
+  const auto found =
+      detect_boards(files, kBoard, {}, 2, [&](const base::ProgressEvent& e) { last = e.done; });
+  ASSERT_EQ(found.size(), 6U);
+  EXPECT_EQ(last, 6U);
+  EXPECT_TRUE(found[0].found) << found[0].reason;
+  EXPECT_EQ(found[0].image, "a b.png");
+  EXPECT_TRUE(found[1].found) << found[1].reason;
+  EXPECT_EQ(found[2].reason, "byte-identical to a b.png");
+  EXPECT_FALSE(found[2].found);
+  EXPECT_NE(found[3].reason.find("641x481"), std::string::npos);
+  EXPECT_NE(found[4].reason.find("unreadable"), std::string::npos);
+  EXPECT_NE(found[5].reason.find("unreadable"), std::string::npos);
+  const auto again = detect_boards(files, kBoard, {}, 1);
+  for (std::size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i].corners_px, again[i].corners_px);
+}
+
+// Every picture that Debian ships shows the whole 9 x 6 board.
+TEST(DetectReal, AllOfOpenCvsOwnPictures) {
+  const std::filesystem::path folder = "/usr/share/doc/opencv-doc/examples/data";
+  if (!std::filesystem::exists(folder / "left01.jpg"))
+    GTEST_SKIP() << "no pictures in " << folder << " (install opencv-doc)";
+  for (const char* side : {"left??.jpg", "right??.jpg"}) {
+    const auto files = base::expand_pattern(side, folder);
+    ASSERT_TRUE(files.ok());
+    for (const BoardDetection& one : detect_boards(*files, kBoard))
+      EXPECT_TRUE(one.found) << one.image << ": " << one.reason;
+  }
+}
+
+}  // namespace
+}  // namespace furrow::target
