@@ -50,6 +50,16 @@ std::string count_of(std::size_t count, const std::string& thing) {
   return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
 }
 
+std::string file_stem(const std::string& shot_id) {
+  std::string stem;
+  for (const char c : shot_id) {
+    const bool plain =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+    stem += plain ? c : '_';
+  }
+  return stem.empty() ? "shot" : stem;
+}
+
 Status write_figure(const std::filesystem::path& folder, const Figure& figure) {
   FURROW_DO(base::write_file(folder / (figure.name + ".png"), figure.png));
   FURROW_DO(base::write_file(folder / (figure.name + ".svg"), figure.svg));

@@ -20,6 +20,9 @@ Error nothing_to_draw(const std::string& figure, const std::string& found, const
 /// Fixed decimals, or an empty cell for what is not there.
 std::string cell(double value, int decimals);
 
+/// A shot id as part of a file name: ids may hold anything, file names may not.
+std::string file_stem(const std::string& shot_id);
+
 /// "1 shot", "3 shots".
 std::string count_of(std::size_t count, const std::string& thing);
 

@@ -109,11 +109,6 @@ Result<Figure> draw_over_shots(OverShots wanted, const std::vector<ShotRecord>& 
                                const FigureOptions& options) {
   for (Curve& curve : wanted.curves) fill_in(curve, records);
   std::erase_if(wanted.curves, [](const Curve& curve) { return !any_finite(curve.look.y); });
-  if (wanted.curves.empty()) {
-    return nothing_to_draw(wanted.name,
-                           count_of(records.size(), "shot") + " without one value of " + wanted.y_text,
-                           "at least one shot with a value");
-  }
   FURROW_TRY(Drawing drawing, paper(options, kPlotHeightMm));
   std::vector<LegendEntry> legend;
   std::vector<Series> series;
@@ -131,6 +126,7 @@ Result<Figure> draw_over_shots(OverShots wanted, const std::vector<ShotRecord>& 
                                 {drawing.width_pt - kMarginPt, drawing.height_pt - kMarginPt},
                                 counting_axis("shot number", records.size(), inner_width),
                                 axis_over(wanted.y_text, in_range, 7));
+  if (series.empty()) draw_note(drawing, frame, "no shot has a value");
   if (wanted.zero_line) draw_level(drawing, frame, 0.0, kInk, {}, 0.6);
   // The first curve is the one that matters: it is painted last, over the others.
   std::reverse(series.begin(), series.end());

@@ -185,8 +185,10 @@ std::string tick_text(double value, int decimals) {
 Axis axis_over(const std::string& text, const std::vector<double>& values, int wanted_ticks,
                bool include_zero) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
+  // No quantity of a flight comes near; a stray 1e300 must not overflow the arithmetic of the axis.
+  constexpr double kAbsurd = 1e12;
   for (const double value : values) {
-    if (!finite(value)) continue;
+    if (!(std::abs(value) < kAbsurd)) continue;
     low = std::min(low, value);
     high = std::max(high, value);
   }
@@ -216,6 +218,11 @@ Axis counting_axis(const std::string& text, std::size_t count, double width_pt) 
   const bool room_for_one = ticks.values.empty() || ticks.values.front() > 2.5;
   if (room_for_one) ticks.values.insert(ticks.values.begin(), 1.0);
   axis.ticks = std::move(ticks);
+  return axis;
+}
+
+Axis flipped(Axis axis) {
+  std::swap(axis.low, axis.high);
   return axis;
 }
 
@@ -272,6 +279,11 @@ void draw_level(Drawing& drawing, const Frame& frame, double value_y, Colour col
   if (!frame.holds(value_y)) return;
   drawing.items.push_back(
       Stroke{{frame.map(frame.x.low, value_y), frame.map(frame.x.high, value_y)}, colour, width_pt, dash});
+}
+
+void draw_note(Drawing& drawing, const Frame& frame, const std::string& text) {
+  drawing.items.push_back(
+      Text{0.5 * (frame.top_left + frame.bottom_right), text, kAxisTextPt, kMidGrey, Align::middle});
 }
 
 void draw_colour_bar(Drawing& drawing, const Point& top_left, double height_pt, const Axis& axis) {

@@ -40,6 +40,9 @@ Axis axis_over(const std::string& text, const std::vector<double>& values, int w
 /// An axis over 1 .. count with whole-numbered ticks.
 Axis counting_axis(const std::string& text, std::size_t count, double width_pt);
 
+/// The same axis with its low end at the top, for picture rows.
+Axis flipped(Axis axis);
+
 /// Values over places on the x axis. NaN makes a gap.
 struct Series {
   std::string name;
@@ -90,9 +93,12 @@ LegendEntry legend_of(const Series& series);
 double draw_legend(Drawing& drawing, const Point& top_left, double width_pt,
                    const std::vector<LegendEntry>& entries);
 
-/// A line across the frame at one value, with its own text at the right end.
+/// A line across the frame at one value.
 void draw_level(Drawing& drawing, const Frame& frame, double value_y, Colour colour, const Dash& dash,
                 double width_pt);
+
+/// Words in the middle of a frame that has no data: an empty plot must say that it is meant.
+void draw_note(Drawing& drawing, const Frame& frame, const std::string& text);
 
 /// Vertical viridis scale with ticks and text.
 void draw_colour_bar(Drawing& drawing, const Point& top_left, double height_pt, const Axis& axis);

@@ -145,17 +145,6 @@ base::CsvTable rows_table(const rows::RowLines& lines) {
   return table;
 }
 
-/// shot ids may hold anything; file names may not.
-std::string file_stem(const std::string& shot_id) {
-  std::string stem;
-  for (const char c : shot_id) {
-    const bool plain =
-        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
-    stem += plain ? c : '_';
-  }
-  return stem.empty() ? "shot" : stem;
-}
-
 }  // namespace
 
 Result<Figure> row_overlay(const Image& picture, const rows::RowLines& lines, const std::string& shot_id,

@@ -102,6 +102,27 @@ data figure_data(const figures::Figure& figure, int number) {
   return out;
 }
 
+/// A number as tables write it: "3.02", "−0.4", "3.02 ± 0.05", "68 %".
+bool looks_like_number(std::string_view cell) {
+  constexpr std::string_view kMinus = "\u2212", kPlusMinus = "\u00b1";
+  bool digit = false;
+  while (!cell.empty()) {
+    const char c = cell.front();
+    std::size_t length = 1;
+    if (cell.starts_with(kMinus)) {
+      length = kMinus.size();
+    } else if (cell.starts_with(kPlusMinus)) {
+      length = kPlusMinus.size();
+    } else if (c >= '0' && c <= '9') {
+      digit = true;
+    } else if (std::string_view(" .-+%").find(c) == std::string_view::npos) {
+      return false;
+    }
+    cell.remove_prefix(length);
+  }
+  return digit;
+}
+
 /// Columns of numbers stand right-aligned: every cell a number, or empty, and at least one number.
 std::vector<bool> number_columns(const base::CsvTable& cells) {
   std::vector<bool> numeric(cells.columns.size(), false);
@@ -109,7 +130,7 @@ std::vector<bool> number_columns(const base::CsvTable& cells) {
     bool any = false, all = true;
     for (const auto& row : cells.rows) {
       if (c >= row.size() || base::trim(row[c]).empty()) continue;
-      const bool number = base::parse_double(row[c]).has_value();
+      const bool number = looks_like_number(row[c]);
       any = any || number;
       all = all && number;
     }

@@ -47,7 +47,8 @@ figcaption b,caption b{color:var(--ink)}
 table{border-collapse:collapse;font-size:.92rem;font-variant-numeric:tabular-nums;margin:.2rem 0}
 caption{text-align:left;color:var(--soft);padding:.3rem 0 .4rem;caption-side:top}
 th,td{padding:.28rem .7rem;text-align:left;border-bottom:1px solid var(--line);vertical-align:top}
-thead th{border-bottom:2px solid var(--ink);white-space:nowrap;vertical-align:bottom}
+thead th{border-bottom:2px solid var(--ink);min-width:4.2rem;line-height:1.25;vertical-align:bottom}
+td{max-width:26rem}
 tbody tr:nth-child(even){background:var(--tint)}
 .num{text-align:right;white-space:nowrap}
 details{margin:.8rem 0}

@@ -7,6 +7,8 @@
 
 #include "figures/samples.h"
 #include "furrow/base/file.h"
+#include "furrow/figures/comparison.h"
+#include "furrow/figures/pictures.h"
 
 namespace furrow::figures {
 namespace {
@@ -33,6 +35,18 @@ TEST(Figures, Draft) {
   show(board_poses(samples::calibration()));
   const auto field = samples::field();
   show(row_overlay(field.picture, field.lines, "shot-1003"));
+  show(agreement(heights_against_log(records)));
+  show(error_histogram(heights_against_truth(records)));
+  show(heights_by_leg(records, 1.7));
+  show(residual_map(samples::calibration()));
+  show(following_overlay(field.picture, {38.0, 22.0}, "shot-1003"));
+  std::vector<NamedPicture> steps;
+  for (const char* name : {"green mask", "otsu", "filled", "skeleton", "lines"})
+    steps.push_back({name, field.picture});
+  show(contact_sheet("steps", "Steps of row detection.", steps));
+  Figure empty = heights_over_shots({}, 1.7).value();
+  empty.name = "empty";
+  show(empty);
 }
 
 }  // namespace
