@@ -261,8 +261,19 @@ void normalise(Track& track) {
   }
 }
 
+void log_time_from_utc(Track& track) {
+  std::optional<base::Nanoseconds> first;
+  for (const Sample& s : track.samples) first = std::min(first.value_or(*s.t_utc_ns), *s.t_utc_ns);
+  for (Sample& s : track.samples) s.t_log_ns = *s.t_utc_ns - *first;
+  track.utc_sigma_s = 0.0;
+}
+
 void finish(Track& track, const std::vector<int>& lines) {
   keep_photo_edges(track.samples, lines, track.warnings);
+  finish_marked(track, lines);
+}
+
+void finish_marked(Track& track, const std::vector<int>& lines) {
   clear_impossible_positions(track, lines);
   clear_constant_gimbal(track);
   normalise(track);

@@ -100,6 +100,11 @@ void normalise(Track& track);
 
 /// All of the above, in the order that every reader needs. `lines` holds the file's line of each sample.
 void finish(Track& track, const std::vector<int>& lines);
+/// The same for a log whose every row is a picture.
+void finish_marked(Track& track, const std::vector<int>& lines);
+
+/// t_log_ns of every sample from its t_utc_ns, zero at the earliest. All samples must have UTC.
+void log_time_from_utc(Track& track);
 
 /// `angle_deg` in [low, low + 360).
 double wrap_deg(double angle_deg, double low_deg);

@@ -10,7 +10,9 @@
 namespace furrow::telemetry {
 namespace {
 
-constexpr std::string_view kReadable = "AirData CSV, PhantomHelp/TXTlogToCSV CSV, DJI video SRT";
+constexpr std::string_view kReadable =
+    "AirData CSV, PhantomHelp/TXTlogToCSV CSV, DJI video SRT, DJI flight record .txt up to version 12, "
+    "RTKLIB .pos, NMEA, GPX or DJI .MRK";
 /// How much of a file is looked at to tell its format: more than the widest header (191 columns, 4 kB).
 constexpr std::size_t kHeadBytes = 16384;
 
@@ -51,6 +53,14 @@ bool looks_like_phantomhelp(const std::string& header) {
   return count_in(header, kNames) >= kTellingNames;
 }
 
+/// A flight record starts with a small little-endian offset (so with zeros in bytes 5 to 7) and a version.
+bool looks_like_flight_record(std::string_view bytes) {
+  constexpr std::size_t kPrefix = 12;
+  constexpr int kLargestVersion = 64;
+  return bytes.size() > kPrefix && bytes[5] == 0 && bytes[6] == 0 && bytes[7] == 0 && bytes[10] > 0 &&
+         bytes[10] <= kLargestVersion;
+}
+
 /// A name for a format that is recognised and not read.
 std::optional<std::string> recognised(std::string_view head) {
   if (head.starts_with("ULog\x01\x12\x35")) return "a PX4 ULog";
@@ -58,14 +68,12 @@ std::optional<std::string> recognised(std::string_view head) {
   if (head.starts_with("\xFF\xD8\xFF")) return "a JPEG picture";
   if (head.starts_with("PK\x03\x04")) return "a zip archive (KMZ, or a spreadsheet)";
   if (head.size() > 8 && head.substr(4, 4) == "ftyp") return "a video";
-  if (head.find("<gpx") != std::string_view::npos) return "a GPX track";
   if (head.find("<kml") != std::string_view::npos) return "a KML document";
   if (head.find("Clock:offsetTime") != std::string_view::npos) return "a DatCon CSV";
   return std::nullopt;
 }
 
 std::string describe(std::string_view head) {
-  if (const auto known = recognised(head)) return *known;
   const auto odd = std::count_if(head.begin(), head.end(), [](char c) {
     return (c >= 0 && c < ' ' && c != '\n' && c != '\r' && c != '\t') || c == 127;
   });
@@ -81,7 +89,14 @@ Result<Track> parse_track(std::string_view bytes, const std::string& name) {
   const std::string_view text = without_byte_order_mark(bytes);
   if (base::trim(text).empty()) return Error{"telemetry_empty", name, "an empty file", "a flight log", ""};
   const std::string_view head = text.substr(0, kHeadBytes);
+  if (const auto known = recognised(head))
+    return Error{"telemetry_format_unknown", name, *known, std::string(kReadable), ""};
+  if (looks_like_flight_record(bytes)) return read_dji_txt(bytes, name);
+  if (head.find("<gpx") != std::string_view::npos) return read_gpx(text, name);
   if (head.find("-->") != std::string_view::npos) return read_dji_srt(text, name);
+  if (head.starts_with("$G")) return read_nmea(text, name);
+  if (head.starts_with('%')) return read_rtklib_pos(text, name);
+  if (head.find(",Ellh") != std::string_view::npos) return read_dji_mrk(text, name);
   const std::string header = csv_header(head);
   if (looks_like_airdata(header)) return read_airdata(text, name);
   if (looks_like_phantomhelp(header)) return read_phantomhelp(text, name);

@@ -51,6 +51,10 @@ TEST(Fuzz, DamagedFilesNeverCrashAReader) {
       "CUSTOM.date [local],CUSTOM.updateTime [local],OSD.flyTime [s],OSD.latitude,OSD.longitude,OSD.height "
       "[ft],OSD.yaw\n"
       "5/31/2026,1:02:03.456 PM,0.1,48,11,3,-170\n5/31/2026,1:02:03.556 PM,0.2,48,11,3,-170\n"};
+  seeds.emplace_back(
+      "2\t296288.242869\t[2211]\t     3,N\t     0,E\t    "
+      "75,V\t47.6436873208,Lat\t16.4759271684,Lon\t512.998,Ellh\t0.01, 0.01, "
+      "0.02\t50,Q\n");
   for (const char* folder :
        {"telemetry/airdata", "telemetry/srt", "telemetry/ppk", "telemetry/gpx", "telemetry/dji_txt"}) {
     const auto path = furrow_data(folder);

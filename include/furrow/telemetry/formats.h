@@ -41,4 +41,39 @@ Result<Track> read_phantomhelp(std::string_view text, const std::string& name);
 /// clock, aircraft local time                                                    |
 Result<Track> read_dji_srt(std::string_view text, const std::string& name);
 
+/// DJI flight record (.txt), versions 1 to 12. From 13 on the records are encrypted with keys that only DJI's
+/// service gives out: the error says how to export them. Versions 7 to 12 are scrambled by a known key; no
+/// file of those was there to test with, so a result that makes no sense is refused. | height_takeoff_m  |
+/// OSD height, 0.1 m: barometric, zero at take-off                                      | | height_vps_m |
+/// OSD vision height while its "works" bit is set, below the byte's 25.5 m ceiling      | | not read | HOME
+/// altitude: pressure altitude                                                     | | yaw, pitch, roll  |
+/// OSD, 0.1 deg; gimbal_* from GIMBAL, 0.1 deg, negative below the horizon              | | t_log_ns | OSD
+/// fly time, 0.1 s, from the start of the motors; its wrap at 6553.6 s undone       | | t_utc_ns          |
+/// t_log_ns + median of (CUSTOM time - fly time); CUSTOM is UTC milliseconds            | | is_photo | where
+/// CUSTOM's camera flag rises                                                     |
+Result<Track> read_dji_txt(std::string_view bytes, const std::string& name);
+
+/// RTKLIB position file (.pos), degrees or degrees, minutes, seconds; GPST or UTC; calendar or week and
+/// seconds. | height_ellipsoid_m, height_geoid_m | height, by the header's "ellipsoidal" or "geodetic" | |
+/// t_utc_ns, t_log_ns                 | time, GPST less its leap seconds; from the first row                |
+Result<Track> read_rtklib_pos(std::string_view text, const std::string& name);
+
+/// NMEA 0183: GGA for the position, RMC and ZDA for the date. Lines with a wrong checksum are left out.
+/// | height_geoid_m     | GGA field 9, over the receiver's geoid | | height_ellipsoid_m | fields 9 + 11 of an
+/// RTK fixed or float solution (quality 4, 5)                      | | speed_mps          | RMC, knots | |
+/// t_utc_ns, t_log_ns | UTC; from the first row. Without RMC or ZDA there is no date and no UTC             |
+Result<Track> read_nmea(std::string_view text, const std::string& name);
+
+/// GPX 1.0 and 1.1 tracks.
+/// | height_geoid_m     | ele, which GPX leaves undefined and most programs fill from the receiver's geoid |
+/// | speed_mps          | speed, m/s | | t_utc_ns, t_log_ns | time; points that share a second are spread
+/// evenly to the next one                   |
+Result<Track> read_gpx(std::string_view text, const std::string& name);
+
+/// DJI .MRK: one line per picture of an RTK drone.
+/// | height_ellipsoid_m | Ellh | | t_utc_ns, t_log_ns | GPS week and seconds less leap seconds; from the
+/// first row                           | | is_photo           | every row | The offset from antenna to sensor
+/// stands in the file and is not applied: DJI does not say to which of the two the position belongs.
+Result<Track> read_dji_mrk(std::string_view text, const std::string& name);
+
 }  // namespace furrow::telemetry
