@@ -8,65 +8,98 @@
 namespace furrow::target {
 namespace {
 
-/// A square patch sampled about a sub-pixel centre, one sample wider than the window on each side.
-class Patch {
+/// Sobel's derivative along x, per grey level and px; along y its transpose. Smoothing across the derivative
+/// keeps narrow edges from looking different by where they fall between pixels.
+constexpr double kDerivative[3][3] = {{-0.125, 0.0, 0.125}, {-0.25, 0.0, 0.25}, {-0.125, 0.0, 0.125}};
+
+/// Gradients at whole pixels of a square window. Nothing is interpolated: that would smooth by the window's
+/// own phase.
+class Window {
  public:
-  Patch(const Image& grey, const Eigen::Vector2d& centre_px, int half) : side_(2 * half + 3) {
-    samples_.resize(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_));
-    const double u0 = centre_px.x() - half - 1, v0 = centre_px.y() - half - 1;
-    const int iu = static_cast<int>(std::floor(u0)), iv = static_cast<int>(std::floor(v0));
-    const double a = u0 - iu, b = v0 - iv;
+  Window(const Image& grey, const Eigen::Vector2d& centre_px, int half)
+      : u0_(static_cast<int>(std::lround(centre_px.x())) - half),
+        v0_(static_cast<int>(std::lround(centre_px.y())) - half),
+        side_(2 * half + 1) {
+    gradient_.resize(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_));
     for (int y = 0; y < side_; ++y) {
-      const std::uint8_t* upper = grey.at(iu, iv + y);
-      const std::uint8_t* lower = grey.at(iu, iv + y + 1);
-      double* out = &samples_[static_cast<std::size_t>(y) * static_cast<std::size_t>(side_)];
+      const std::uint8_t* above = grey.at(u0_, v0_ + y - 1);
+      const std::uint8_t* level = grey.at(u0_, v0_ + y);
+      const std::uint8_t* below = grey.at(u0_, v0_ + y + 1);
       for (int x = 0; x < side_; ++x) {
-        out[x] =
-            (1 - b) * ((1 - a) * upper[x] + a * upper[x + 1]) + b * ((1 - a) * lower[x] + a * lower[x + 1]);
+        const int right = above[x + 1] + 2 * level[x + 1] + below[x + 1],
+                  left = above[x - 1] + 2 * level[x - 1] + below[x - 1];
+        const int down = below[x - 1] + 2 * below[x] + below[x + 1],
+                  up = above[x - 1] + 2 * above[x] + above[x + 1];
+        at(x, y) = 0.125 * Eigen::Vector2d(right - left, down - up);
       }
     }
   }
 
   static bool fits(const Image& grey, const Eigen::Vector2d& centre_px, int half) {
-    return centre_px.x() - half - 1 >= 0 && centre_px.y() - half - 1 >= 0 &&
-           centre_px.x() + half + 2 < grey.width - 1 && centre_px.y() + half + 2 < grey.height - 1;
+    const double reach = half + 2.0;
+    return centre_px.x() >= reach && centre_px.y() >= reach && centre_px.x() + reach < grey.width &&
+           centre_px.y() + reach < grey.height;
   }
 
-  /// Central differences at window place (x, y), both from -half to half.
-  Eigen::Vector2d gradient(int x, int y) const {
-    const int cx = x + side_ / 2, cy = y + side_ / 2;
-    return 0.5 * Eigen::Vector2d(at(cx + 1, cy) - at(cx - 1, cy), at(cx, cy + 1) - at(cx, cy - 1));
+  int side() const { return side_; }
+  Eigen::Vector2d place(int x, int y) const { return {u0_ + x, v0_ + y}; }
+  const Eigen::Vector2d& gradient(int x, int y) const {
+    return gradient_[static_cast<std::size_t>(y) * static_cast<std::size_t>(side_) +
+                     static_cast<std::size_t>(x)];
   }
 
  private:
-  double at(int x, int y) const {
-    return samples_[static_cast<std::size_t>(y) * static_cast<std::size_t>(side_) +
-                    static_cast<std::size_t>(x)];
+  Eigen::Vector2d& at(int x, int y) {
+    return gradient_[static_cast<std::size_t>(y) * static_cast<std::size_t>(side_) +
+                     static_cast<std::size_t>(x)];
   }
-  int side_;
-  std::vector<double> samples_;
+  int u0_, v0_, side_;
+  std::vector<Eigen::Vector2d> gradient_;
 };
 
-/// The normal equations of sum w (g . (p - c))^2 about the window's middle, and the spread that noise in g
-/// gives them.
+double weight_at(const Eigen::Vector2d& from_corner, double half_width_px) {
+  return std::exp(-from_corner.squaredNorm() / (half_width_px * half_width_px));
+}
+
+/// The normal equations of sum w (g . (p - c))^2, with the pixels counted from `centre_px`.
 struct Normal {
   Eigen::Matrix2d matrix = Eigen::Matrix2d::Zero();
   Eigen::Vector2d right = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d noise = Eigen::Matrix2d::Zero();  ///< for unit noise of a gradient's component
 };
 
-Normal normal_equations(const Patch& patch, int half, double half_width_px) {
+Normal normal_equations(const Window& window, const Eigen::Vector2d& centre_px, double half_width_px) {
   Normal out;
-  for (int y = -half; y <= half; ++y) {
-    for (int x = -half; x <= half; ++x) {
-      const double weight = std::exp(-(x * x + y * y) / (half_width_px * half_width_px));
-      const Eigen::Vector2d g = patch.gradient(x, y), p(x, y);
-      const Eigen::Matrix2d gg = g * g.transpose();
-      out.matrix += weight * gg;
-      out.right += weight * gg * p;
-      out.noise += weight * weight * p.squaredNorm() * gg;
+  for (int y = 0; y < window.side(); ++y) {
+    for (int x = 0; x < window.side(); ++x) {
+      const Eigen::Vector2d p = window.place(x, y) - centre_px, g = window.gradient(x, y);
+      const Eigen::Matrix2d gg = weight_at(p, half_width_px) * g * g.transpose();
+      out.matrix += gg;
+      out.right += gg * p;
     }
   }
+  return out;
+}
+
+/// How the corner moves with each pixel's grey level: the sum over the window of w g ((p - c) . derivative),
+/// squared and summed over pixels; neighbouring gradients share pixels, so their noise is not independent.
+Eigen::Matrix2d noise_of_sums(const Window& window, const Eigen::Vector2d& centre_px, double half_width_px) {
+  const int side = window.side() + 2;
+  std::vector<Eigen::Vector2d> by_pixel(static_cast<std::size_t>(side) * static_cast<std::size_t>(side),
+                                        Eigen::Vector2d::Zero());
+  for (int y = 0; y < window.side(); ++y) {
+    for (int x = 0; x < window.side(); ++x) {
+      const Eigen::Vector2d p = window.place(x, y) - centre_px;
+      const Eigen::Vector2d wg = weight_at(p, half_width_px) * window.gradient(x, y);
+      for (int dy = 0; dy < 3; ++dy) {
+        for (int dx = 0; dx < 3; ++dx) {
+          const double moved = p.x() * kDerivative[dy][dx] + p.y() * kDerivative[dx][dy];
+          by_pixel[static_cast<std::size_t>((y + dy) * side + x + dx)] += moved * wg;
+        }
+      }
+    }
+  }
+  Eigen::Matrix2d out = Eigen::Matrix2d::Zero();
+  for (const Eigen::Vector2d& d : by_pixel) out += d * d.transpose();
   return out;
 }
 
@@ -88,16 +121,18 @@ std::optional<RefinedCorner> refine_corner(const Image& grey, const Eigen::Vecto
   constexpr int kMaxRounds = 40;
   constexpr double kConvergedPx = 1e-3;
   for (int round = 0; round < kMaxRounds; ++round) {
-    if (!px.allFinite() || !Patch::fits(grey, px, half)) return std::nullopt;
-    const Normal normal = normal_equations(Patch(grey, px, half), half, half_width_px);
+    if (!px.allFinite() || !Window::fits(grey, px, half)) return std::nullopt;
+    const Window window(grey, px, half);
+    const Normal normal = normal_equations(window, px, half_width_px);
     if (!is_corner(normal.matrix)) return std::nullopt;
     const Eigen::Matrix2d inverse = normal.matrix.inverse();
     const Eigen::Vector2d step = inverse * normal.right;
+    const Eigen::Vector2d before = px;
     px += step;
     if ((px - start_px).norm() > half) return std::nullopt;
     if (step.norm() < kConvergedPx) {
-      // A central difference of two pixels' noise has 1 / sqrt(2) of it.
-      const Eigen::Matrix2d covariance = 0.5 * noise_grey * noise_grey * inverse * normal.noise * inverse;
+      const Eigen::Matrix2d noise = noise_of_sums(window, before, half_width_px);
+      const Eigen::Matrix2d covariance = noise_grey * noise_grey * inverse * noise * inverse;
       return RefinedCorner{px, std::sqrt(0.5 * covariance.trace())};
     }
   }

@@ -53,7 +53,10 @@ inline Image render_board(const Camera& camera, const BoardSpec& board, const Ri
       double sum = 0.0;
       for (int a = 0; a < samples; ++a) {
         for (int b = 0; b < samples; ++b) {
-          const Eigen::Vector2d step((a + 0.5) / samples - 0.5, (b + 0.5) / samples - 0.5);
+          // Sheared, so that no two samples share a row or column and an upright edge moves in steps of 1 /
+          // n^2.
+          const Eigen::Vector2d step((a + (b + 0.5) / samples) / samples - 0.5,
+                                     (b + (a + 0.5) / samples) / samples - 0.5);
           sum += slope ? brightness(*centre + *slope * step) : kAround;
         }
       }
