@@ -31,6 +31,7 @@ struct Line {
   double spread = 0.0;         ///< weighted rms distance from the centroid along the line
   double weight_sum = 0.0;     ///< sum of 1 / sigma^2
   double mean_sigma2 = 0.0;    ///< count / weight_sum
+  std::vector<double> places;  ///< along the line from the centroid
   std::vector<double> scores;  ///< perpendicular residual / sigma, outliers drawn in to the bend
 };
 
@@ -84,46 +85,81 @@ std::optional<Line> fit_line(const Samples& samples) {
   }
   if (!(line.spread > 0.0) || !std::isfinite(line.weight_sum)) return std::nullopt;
   line.mean_sigma2 = static_cast<double>(n) / line.weight_sum;
+  for (const Eigen::Vector2d& p : samples.points) line.places.push_back(line.along.dot(p - line.centroid));
   return line;
+}
+
+/// Variances of a fitted line's offset and slope in units of what independent samples would give, for samples
+/// whose errors correlate by rho from one to the next: v^T R v / v^T v with R_ij = rho^|i-j| (eq. 4.3).
+struct Inflation {
+  double offset = 1.0, slope = 1.0;
+};
+
+Inflation inflation_of(const std::vector<double>& places, double rho) {
+  double offset = 0.0, slope = 0.0, squares = 0.0, carried = 0.0, carried_slope = 0.0;
+  for (const double s : places) {
+    offset += 1.0 + 2.0 * carried;
+    slope += s * s + 2.0 * s * carried_slope;
+    squares += s * s;
+    carried = rho * (carried + 1.0);
+    carried_slope = rho * (carried_slope + s);
+  }
+  return {offset / static_cast<double>(places.size()), slope / squares};
 }
 
 /// Scatter and correlation along the rows, pooled over a shot's lines.
 struct Noise {
   double variance_ratio = 1.0;  ///< scatter seen / claimed
-  double inflation = 1.0;       ///< samples per independent sample (eq. 4.4)
+  double rho = 0.0;             ///< between neighbouring samples
 };
 
-Noise pooled_noise(const std::vector<Line>& lines) {
-  double squares = 0.0, products = 0.0, freedom = 0.0, samples = 0.0;
+/// What the sums of squares and of neighbours' products of all residuals would be for unit variance and this
+/// rho: a fitted line takes its own two variances out of both (eq. 4.4).
+struct ExpectedSums {
+  double squares = 0.0, products = 0.0;
+};
+
+ExpectedSums expected_sums(const std::vector<Line>& lines, double rho) {
+  ExpectedSums sums;
   for (const Line& line : lines) {
     const double n = static_cast<double>(line.scores.size());
-    freedom += n - 2.0;
-    samples += n;
+    const Inflation inflation = inflation_of(line.places, rho);
+    const double absorbed = inflation.offset + inflation.slope;
+    sums.squares += std::max(0.0, n - absorbed);
+    sums.products += rho * (n - 1.0) - absorbed * (n - 1.0) / n;
+  }
+  return sums;
+}
+
+Noise pooled_noise(const std::vector<Line>& lines) {
+  double squares = 0.0, products = 0.0;
+  for (const Line& line : lines) {
     for (std::size_t i = 0; i < line.scores.size(); ++i) {
       squares += line.scores[i] * line.scores[i];
       if (i > 0) products += line.scores[i] * line.scores[i - 1];
     }
   }
   Noise noise;
-  noise.variance_ratio = (kClaimWeight + squares) / (kClaimWeight + freedom);
-  const double mean_count = samples / static_cast<double>(std::max<std::size_t>(1, lines.size()));
-  // A fitted line absorbs correlation; the bias of lag 1 about a fitted trend is -(2 + 4 rho) / n (Marriott
-  // and Pope 1954).
-  if (squares > 0.0 && mean_count > 8.0) {
-    const double seen = products / squares;
-    const double rho = (seen + 2.0 / mean_count) / (1.0 - 4.0 / mean_count);
-    const double bounded = std::clamp(rho, 0.0, kMaxCorrelation);
-    noise.inflation = std::min((1.0 + bounded) / (1.0 - bounded), mean_count / 2.0);
+  double low = 0.0, high = kMaxCorrelation;
+  // The expected ratio grows with rho; 20 halvings fix it to 1e-6.
+  for (int i = 0; i < 20 && squares > 0.0; ++i) {
+    const double middle = 0.5 * (low + high);
+    const ExpectedSums sums = expected_sums(lines, middle);
+    (sums.products * squares < products * sums.squares ? low : high) = middle;
   }
+  noise.rho = low;
+  noise.variance_ratio = (kClaimWeight + squares) / (kClaimWeight + expected_sums(lines, noise.rho).squares);
   return noise;
 }
 
-/// Sigma of each of the two points (eq. 4.5): what scatters along the row averages out over the independent
-/// samples; what is claimed beyond the scatter is common to the row and does not.
-double point_sigma(const Line& line, const Noise& noise) {
-  const double scattering = 2.0 * noise.variance_ratio * noise.inflation / line.weight_sum;
+/// Variances of the two points (eq. 4.5): what scatters along the row averages out; what is claimed beyond
+/// the scatter is common to the row and does not.
+void set_variances(const Line& line, const Noise& noise, EdgeLine& edge) {
+  const Inflation inflation = inflation_of(line.places, noise.rho);
+  const double scatter = noise.variance_ratio / line.weight_sum;
   const double common = std::max(0.0, 1.0 - noise.variance_ratio) * line.mean_sigma2;
-  return std::sqrt(scattering + common);
+  edge.variance = scatter * (inflation.offset + inflation.slope) + common;
+  edge.covariance = scatter * (inflation.offset - inflation.slope);
 }
 
 std::vector<Samples> collect(const RowsOnUnitPlane& rows) {
@@ -163,7 +199,7 @@ std::vector<EdgeLine> reduce_to_lines(const RowsOnUnitPlane& rows) {
     lines.push_back(std::move(*line));
   }
   const Noise noise = pooled_noise(lines);
-  for (std::size_t i = 0; i < lines.size(); ++i) result[i].sigma = point_sigma(lines[i], noise);
+  for (std::size_t i = 0; i < lines.size(); ++i) set_variances(lines[i], noise, result[i]);
   return result;
 }
 

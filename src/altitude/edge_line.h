@@ -9,13 +9,14 @@ namespace furrow::altitude {
 enum class Side { left, right, centre };
 
 /// One straight edge (or centre line) of one row, reduced to two points of the unit plane that say as much as
-/// all its samples: the perpendicular errors of the two are independent, with `sigma` each
-/// (docs/formulation/altitude.md, section 4).
+/// all its samples (docs/formulation/altitude.md, section 4). Their perpendicular errors have one `variance`
+/// and a `covariance`.
 struct EdgeLine {
   int row = 0;  ///< index of the row
   Side side = Side::centre;
   Eigen::Vector2d points[2];
-  double sigma = 0.0;
+  double variance = 0.0;
+  double covariance = 0.0;  ///< 0 for errors that are independent along the row
   int samples = 0;
 };
 

@@ -43,11 +43,12 @@ Vector3<T> line_at(const RowAxes<T>& axes, const T& t) {
   return {axes.m.x + t * axes.q.x, axes.m.y + t * axes.q.y, axes.m.z + t * axes.q.z};
 }
 
-/// Signed perpendicular distance of a point of the unit plane from a line.
+/// Signed perpendicular distance of a point of the unit plane, drawn in by `zoom` (1 for the camera's own
+/// focal length), from a line.
 template <class T>
-T distance(const Vector3<T>& l, const Eigen::Vector2d& p) {
+T distance(const Vector3<T>& l, const Eigen::Vector2d& p, const T& zoom = T(1.0)) {
   using std::sqrt;
-  return (l.x * p.x() + l.y * p.y() + l.z) / sqrt(l.x * l.x + l.y * l.y);
+  return ((l.x * p.x() + l.y * p.y()) / zoom + l.z) / sqrt(l.x * l.x + l.y * l.y);
 }
 
 /// Slopes between which a row's green is seen; `*_drop` is the drop at which the edge that is seen stands.

@@ -25,7 +25,7 @@ LinePlace place_of(const VisibleRow<double>& row, Side side, double top_centre, 
 double whitened_square(const WeightedBlock& block, const ShotVector& x) {
   const int n = block.rows.residuals();
   Eigen::VectorXd residuals(n);
-  RowCost{&block, 1.0}(x.data(), x.data() + kPoseSize, residuals.data());
+  RowCost{&block}(x.data(), x.data() + kPoseSize, residuals.data());
   return residuals.squaredNorm();
 }
 
@@ -102,7 +102,7 @@ Linearised linearise_blocks(const ShotSystem& system, const ShotVector& x) {
   std::vector<ShotJet> residuals(static_cast<std::size_t>(n));
   int at = 0;
   for (const WeightedBlock& block : system.blocks) {
-    RowCost{&block, 1.0}(jets, jets + kPoseSize, residuals.data() + at);
+    RowCost{&block}(jets, jets + kPoseSize, residuals.data() + at);
     at += block.rows.residuals();
   }
   for (int i = 0; i < n; ++i) {

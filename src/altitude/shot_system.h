@@ -40,30 +40,36 @@ struct ShotSystem {
 
 /// Raw residuals of a row: perpendicular distances on the unit plane (eq. 7.1).
 template <class T>
-void row_residuals(const RowBlock& block, const T* pose, const T* farm, T* raw) {
+void row_residuals(const RowBlock& block, const T* pose, const T* farm, T* raw, const T& zoom = T(1.0)) {
   const RowAxes<T> axes = row_axes(pose[kTheta], pose[kLambda], pose[kPsi]);
   const VisibleRow<T> row = visible_row(pose, farm, block.row);
   for (std::size_t i = 0; i < block.lines.size(); ++i) {
     const Vector3<T> l = line_at(axes, slope_of(row, block.lines[i].side));
-    raw[2 * i] = distance(l, block.lines[i].points[0]);
-    raw[2 * i + 1] = distance(l, block.lines[i].points[1]);
+    raw[2 * i] = distance(l, block.lines[i].points[0], zoom);
+    raw[2 * i + 1] = distance(l, block.lines[i].points[1], zoom);
+  }
+}
+
+/// Whitened residuals of a row.
+template <class T>
+void whitened_residuals(const WeightedBlock& block, const T* pose, const T* farm, T* residuals,
+                        const T& zoom = T(1.0)) {
+  const int n = block.rows.residuals();
+  Eigen::Matrix<T, Eigen::Dynamic, 1, 0, 6, 1> raw(n);
+  row_residuals(block.rows, pose, farm, raw.data(), zoom);
+  for (int i = 0; i < n; ++i) {
+    residuals[i] = T(0.0);
+    for (int j = 0; j <= i; ++j) residuals[i] += block.whitener(i, j) * raw[j];
   }
 }
 
 /// Cost of one row for Ceres; parameter blocks pose and farm.
 struct RowCost {
   const WeightedBlock* block = nullptr;
-  double scale = 1.0;  ///< multiplies the whitened residuals
 
   template <class T>
   bool operator()(const T* pose, const T* farm, T* residuals) const {
-    const int n = block->rows.residuals();
-    Eigen::Matrix<T, Eigen::Dynamic, 1, 0, 6, 1> raw(n);
-    row_residuals(block->rows, pose, farm, raw.data());
-    for (int i = 0; i < n; ++i) {
-      residuals[i] = T(0.0);
-      for (int j = 0; j <= i; ++j) residuals[i] += scale * block->whitener(i, j) * raw[j];
-    }
+    whitened_residuals(*block, pose, farm, residuals);
     return true;
   }
 };
@@ -102,6 +108,34 @@ Linearised linearise_priors(const ShotSystem& system, const ShotVector& x);
 
 /// Effect of the camera's intrinsics on the whitened residuals of the blocks (eq. 8.4).
 Eigen::MatrixXd intrinsics_jacobian(const ShotSystem& system, const ShotVector& x, const Camera& camera);
+
+/// Solves one shot by Ceres from x; `robust`: rows under a Cauchy loss.
+struct SolveReport {
+  int iterations = 0;
+  std::string termination;
+  bool usable = false;
+};
+SolveReport solve(const ShotSystem& system, ShotVector& x, bool robust, const RefineOptions& options);
+
+/// Effect of the parameters' covariance on what a RefinedShot reports: everything but budget, counts of
+/// iterations and termination.
+using ShotMatrix = Eigen::Matrix<double, kShotSize, kShotSize>;
+RefinedShot describe(const ShotSystem& system, const ShotVector& x, const ShotMatrix& covariance,
+                     const FieldKnowledge& field);
+
+/// Whether the camera says how sure it is of itself.
+bool has_covariance(const Camera& camera);
+
+/// A shot up to the point where its rows are sorted out: robust solution, outliers gone, weights set.
+struct PreparedShot {
+  ShotSystem system;
+  ShotVector x;
+  int rows_left_out = 0;
+  int iterations = 0;
+};
+Result<PreparedShot> prepare_shot(const rows::RowLines& lines, const Camera& camera,
+                                  const FieldKnowledge& field, const Farm& farm, const AttitudePrior& prior,
+                                  const RefineOptions& options);
 
 /// Largest value that chi-square with `freedom` degrees passes with the given chance (Wilson and Hilferty
 /// 1931).

@@ -54,7 +54,7 @@ Trial draw(const Case& c, base::Random& random) {
 class Sampling : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Sampling, TruthLiesInsideItsSigmasAsOftenAsClaimed) {
-  constexpr int kShots = 1000;
+  constexpr int kShots = 300;  // 1200 over the four cases
   const Case c = GetParam();
   const Camera camera = testing::thesis_camera();
   base::Random random(20240611);
@@ -82,7 +82,8 @@ TEST_P(Sampling, TruthLiesInsideItsSigmasAsOftenAsClaimed) {
   const auto check = [&](const char* what, const std::vector<Estimate>& estimates,
                          const std::vector<double>& truths) {
     const stats::Coverage coverage = stats::coverage(estimates, truths);
-    EXPECT_NEAR(coverage.within_1_sigma, 0.683, 0.05) << what;
+    // Five points, and twice what 300 shots scatter by chance.
+    EXPECT_NEAR(coverage.within_1_sigma, 0.683, 0.05 + 2.0 * 0.027) << what;
     EXPECT_NEAR(coverage.within_2_sigma, 0.954, 0.05) << what;
     std::printf("%-22s %-8s within 1 sigma %.3f, 2 sigma %.3f\n", c.name, what, coverage.within_1_sigma,
                 coverage.within_2_sigma);
