@@ -280,7 +280,7 @@ Result<Image> paint_pixels(const Drawing& drawing, double px_per_pt, int width, 
 
 std::string escape_xml(const std::string& text) {
   std::string out;
-  for (const char c : text) {
+  for (const char c : printable(text)) {
     switch (c) {
       case '&':
         out += "&amp;";
@@ -295,8 +295,7 @@ std::string escape_xml(const std::string& text) {
         out += "&quot;";
         break;
       default:
-        // XML 1.0 has no other control characters, escaped or not.
-        if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t') out += c;
+        out += c;
     }
   }
   return out;

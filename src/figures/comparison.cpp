@@ -58,10 +58,10 @@ Error no_pairs(const Comparison& comparison) {
                          "at least one shot with both");
 }
 
-/// "° " and "m" after a number.
+/// A number with its unit; millimetres, or hundredths of a degree.
 std::string with_unit(double value, const std::string& unit) {
   const bool degree = unit == "deg" || unit == "\u00b0";
-  return tick_text(value, 2) + (degree ? "\u00b0" : "\u00a0" + unit);
+  return tick_text(value, degree ? 2 : 3) + (degree ? "\u00b0" : "\u00a0" + unit);
 }
 
 std::string unit_text(const std::string& unit) {
@@ -381,7 +381,7 @@ Result<Figure> heights_by_leg(const std::vector<ShotRecord>& records, double row
                                   leg_axis(legs[k], width), y);
     drawing.items.push_back(
         Text{{0.5 * (frame.top_left.x() + frame.bottom_right.x()), frame.top_left.y() - 4.0},
-             "log at " + with_unit(legs[k].mean_height_m, "m"),
+             "log at " + tick_text(legs[k].mean_height_m, 2) + " m",
              kLegendTextPt,
              kInk,
              Align::middle,

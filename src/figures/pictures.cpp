@@ -128,7 +128,7 @@ Result<Figure> residual_map(const calib::Calibration& calibration, const FigureO
   const double typical = std::max(lengths[lengths.size() * 95 / 100], 1e-9);
   // The 95th percentile becomes 4 % of the picture's width, by a round factor.
   const Ticks steps = nice_ticks(0.0, 0.04 * calibration.camera.width / typical, 2);
-  const double factor = steps.values.size() > 1 ? steps.values[1] : 1.0;
+  const double factor = steps.values.size() > 1 ? steps.values.back() : 1.0;
 
   const double aspect = static_cast<double>(calibration.camera.height) / calibration.camera.width;
   FURROW_TRY(Drawing drawing, paper(options, 1.0));

@@ -1,52 +1,317 @@
+// Every figure, whole: it comes out as PNG and SVG, says what it shows, and takes any input without falling
+// over.
 #include "furrow/figures/figures.h"
 
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
+#include <limits>
+#include <set>
 
 #include "figures/samples.h"
 #include "furrow/base/file.h"
+#include "furrow/base/parallel.h"
 #include "furrow/figures/comparison.h"
 #include "furrow/figures/pictures.h"
 
 namespace furrow::figures {
 namespace {
 
-/// With FURROW_FIGURES_OUT set, every figure of these tests is left there to be looked at.
-void keep(const Figure& figure, const std::string& suffix = "") {
-  if (const char* folder = std::getenv("FURROW_FIGURES_OUT")) {
-    Figure copy = figure;
-    copy.name += suffix;
-    ASSERT_TRUE(write_figure(folder, copy).ok());
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+/// With FURROW_FIGURES_OUT set, the figures of these tests are left there to be looked at.
+void keep(Figure figure, const std::string& suffix = "") {
+  const char* folder = std::getenv("FURROW_FIGURES_OUT");
+  if (folder == nullptr) return;
+  figure.name += suffix;
+  ASSERT_TRUE(write_figure(folder, figure).ok());
+}
+
+struct Case {
+  std::string name;
+  std::function<Result<Figure>(const FigureOptions&)> draw;
+  bool has_data = true;
+};
+
+std::vector<Case> all_figures() {
+  const auto records = samples::flight();
+  const auto calibration = samples::calibration();
+  const auto field = samples::field(640, 360, 45.0);
+  const std::vector<NamedPicture> steps{{"green mask", field.picture}, {"otsu <1>", field.picture}};
+  return {
+      {"heights_over_shots", [=](const auto& o) { return heights_over_shots(records, 1.7, o); }},
+      {"pitch_over_shots", [=](const auto& o) { return pitch_over_shots(records, o); }},
+      {"cross_track_over_shots", [=](const auto& o) { return cross_track_over_shots(records, o); }},
+      {"reprojection_bars", [=](const auto& o) { return reprojection_bars(calibration, o); }},
+      {"board_poses", [=](const auto& o) { return board_poses(calibration, o); }},
+      {"rows_shot-1003",
+       [=](const auto& o) { return row_overlay(field.picture, field.lines, "shot-1003", o); }},
+      {"height_agreement_log", [=](const auto& o) { return agreement(heights_against_log(records), o); }},
+      {"height_agreement_truth_errors",
+       [=](const auto& o) { return error_histogram(heights_against_truth(records), o); }},
+      {"heights_by_leg", [=](const auto& o) { return heights_by_leg(records, 1.7, o); }},
+      {"residual_map", [=](const auto& o) { return residual_map(calibration, o); }},
+      {"following_shot-1003",
+       [=](const auto& o) {
+         return following_overlay(field.picture, {38.0, 22.0}, "shot-1003", o);
+       }},
+      {"steps", [=](const auto& o) { return contact_sheet("steps", "Steps of row detection.", steps, o); },
+       false},
+  };
+}
+
+std::size_t colours_in(const Image& picture) {
+  std::set<std::uint32_t> seen;
+  for (std::size_t i = 0; i + 2 < picture.data.size(); i += 3) {
+    seen.insert(picture.data[i] | picture.data[i + 1] * 256u | picture.data[i + 2] * 65536u);
+  }
+  return seen.size();
+}
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// The SVG without its embedded photographs, whose base64 may spell anything.
+std::string vector_part(std::string svg) {
+  for (std::size_t at = 0; (at = svg.find("base64,", at)) != std::string::npos;)
+    svg.erase(at, svg.find('"', at) - at);
+  return svg;
+}
+
+bool has_bad_number(const Figure& figure) {
+  const std::string svg = vector_part(figure.svg);
+  return holds(svg, "nan") || holds(svg, "inf,") || holds(svg, ",inf") || holds(svg, "e+");
+}
+
+TEST(Figures, EveryOneComesOutWholeInBothWidths) {
+  for (const Case& one : all_figures()) {
+    for (const double width_mm : {kOneColumnMm, kTwoColumnsMm}) {
+      SCOPED_TRACE(one.name + " at " + std::to_string(width_mm) + " mm");
+      const auto figure = one.draw({width_mm, 150.0});
+      ASSERT_TRUE(figure.ok()) << figure.error().message();
+      keep(*figure, width_mm == kOneColumnMm ? "_85mm" : "");
+      EXPECT_EQ(figure->name, one.name);
+      EXPECT_GT(figure->caption.size(), 20u);
+      // 150 dots per inch of 25.4 mm.
+      EXPECT_EQ(figure->width_px, static_cast<int>(std::lround(width_mm / 25.4 * 150.0)));
+      const auto png = image::decode_image(figure->png, "figure");
+      ASSERT_TRUE(png.ok());
+      EXPECT_EQ(png->width, figure->width_px);
+      EXPECT_EQ(png->height, figure->height_px);
+      EXPECT_GT(colours_in(*png), 30u) << "a blank or unsmoothed picture";
+      EXPECT_TRUE(figure->svg.starts_with("<?xml"));
+      EXPECT_TRUE(holds(figure->svg, width_mm == kOneColumnMm ? "width=\"85.00mm\"" : "width=\"174.00mm\""));
+      EXPECT_TRUE(holds(figure->svg, "<title>" + one.name + "</title>"));
+      EXPECT_FALSE(has_bad_number(*figure));
+      EXPECT_FALSE(holds(figure->svg, "<text"))
+          << "text must be drawn as outlines: fonts differ between machines";
+      EXPECT_EQ(!figure->data.rows.empty(), one.has_data);
+      for (const auto& row : figure->data.rows) EXPECT_EQ(row.size(), figure->data.columns.size());
+    }
   }
 }
 
-TEST(Figures, Draft) {
-  const auto records = samples::flight();
-  const auto show = [](const Result<Figure>& figure) {
-    ASSERT_TRUE(figure.ok()) << figure.error().message();
-    keep(*figure);
-  };
-  show(heights_over_shots(records, 1.7));
-  show(pitch_over_shots(records));
-  show(cross_track_over_shots(records));
-  show(reprojection_bars(samples::calibration()));
-  show(board_poses(samples::calibration()));
-  const auto field = samples::field();
-  show(row_overlay(field.picture, field.lines, "shot-1003"));
-  show(agreement(heights_against_log(records)));
-  show(error_histogram(heights_against_truth(records)));
-  show(heights_by_leg(records, 1.7));
-  show(residual_map(samples::calibration()));
-  show(following_overlay(field.picture, {38.0, 22.0}, "shot-1003"));
-  std::vector<NamedPicture> steps;
-  for (const char* name : {"green mask", "otsu", "filled", "skeleton", "lines"})
-    steps.push_back({name, field.picture});
-  show(contact_sheet("steps", "Steps of row detection.", steps));
-  Figure empty = heights_over_shots({}, 1.7).value();
-  empty.name = "empty";
-  show(empty);
+TEST(Figures, SameInputSameBytesWhateverWasDrawnBeforeAndOnWhicheverThread) {
+  const auto cases = all_figures();
+  std::vector<Figure> first(cases.size()), again(cases.size());
+  const FigureOptions small{kOneColumnMm, 100.0};
+  for (std::size_t i = 0; i < cases.size(); ++i) first[i] = cases[i].draw(small).value();
+  base::parallel_for(cases.size(), 4, [&](std::size_t i) {
+    const std::size_t backwards = cases.size() - 1 - i;
+    again[backwards] = cases[backwards].draw(small).value();
+  });
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    SCOPED_TRACE(cases[i].name);
+    EXPECT_EQ(base::sha256_hex(first[i].svg), base::sha256_hex(again[i].svg));
+    EXPECT_EQ(base::sha256_hex(first[i].png), base::sha256_hex(again[i].png));
+    EXPECT_EQ(base::to_csv(first[i].data), base::to_csv(again[i].data));
+  }
+}
+
+TEST(Figures, HeightsTableHoldsTheNumbersDrawn) {
+  const auto records = samples::flight(5);
+  const Figure figure = heights_over_shots(records, 1.7).value();
+  const auto& table = figure.data;
+  const auto refined = table.column("above_ground_refined_m"), thesis = table.column("above_ground_thesis_m");
+  ASSERT_TRUE(refined && thesis && table.column("above_ground_refined_sigma_m") &&
+              table.column("height_vps_m"));
+  ASSERT_EQ(table.rows.size(), records.size());
+  EXPECT_NEAR(std::stod(table.rows[2][*refined]), records[2].above_ground_refined_m.value, 1e-4);
+  EXPECT_NEAR(std::stod(table.rows[2][*thesis]), records[2].above_canopy_thesis_m.value + 1.7, 1e-4);
+}
+
+TEST(Figures, UnknownRowHeightLeavesTheLogOut) {
+  const Figure figure = heights_over_shots(samples::flight(), kNaN).value();
+  EXPECT_TRUE(figure.data.column("above_canopy_refined_m").has_value());
+  EXPECT_FALSE(figure.data.column("height_takeoff_m").has_value());
+  EXPECT_FALSE(figure.data.column("height_vps_m").has_value());
+  keep(figure, "_no_row_height");
+}
+
+TEST(Figures, WildValuesBecomeArrowsAndAreCounted) {
+  auto records = samples::flight();
+  for (auto& r : records) r.above_canopy_thesis_m.value = 2.0;
+  EXPECT_FALSE(holds(heights_over_shots(records, 1.7)->caption, "beyond"));
+  records[3].above_canopy_thesis_m.value = 90.0;
+  records[7].above_canopy_thesis_m.value = -90.0;
+  EXPECT_TRUE(holds(heights_over_shots(records, 1.7)->caption, "2 values beyond the axis"));
+}
+
+TEST(Figures, AnyFlightCanBeDrawn) {
+  auto absurd = samples::flight(12);
+  absurd[2].height_takeoff_m = 1e300;
+  absurd[3].height_takeoff_m = -1e308;
+  absurd[4].above_ground_refined_m = {kInf, kInf, 1};
+  absurd[5].above_ground_refined_m = {3.0, -1.0, 1};
+  absurd[6].cross_track_m = {1e-300, 1e-300, 1};
+  auto constant = samples::flight(3);
+  for (auto& r : constant) r = constant[0];
+  for (const auto& records :
+       {std::vector<audit::ShotRecord>{}, std::vector<audit::ShotRecord>(1), samples::flight(1),
+        samples::flight(2), constant, absurd, samples::flight(3000)}) {
+    SCOPED_TRACE(records.size());
+    const FigureOptions small{kOneColumnMm, 72.0};
+    for (const double row_height_m : {1.7, kNaN})
+      EXPECT_TRUE(heights_over_shots(records, row_height_m, small).ok());
+    EXPECT_TRUE(pitch_over_shots(records, small).ok());
+    const auto track = cross_track_over_shots(records, small);
+    ASSERT_TRUE(track.ok());
+    EXPECT_FALSE(has_bad_number(*track));
+    const auto legs = heights_by_leg(records, 1.7, small);
+    EXPECT_TRUE(legs.ok() || legs.error().code == "nothing_to_draw");
+    const auto agreed = agreement(heights_against_log(records), small);
+    EXPECT_TRUE(agreed.ok() || agreed.error().code == "nothing_to_draw");
+    const auto errors = error_histogram(heights_against_log(records), small);
+    EXPECT_TRUE(errors.ok() || errors.error().code == "nothing_to_draw");
+  }
+  keep(heights_over_shots({}, 1.7).value(), "_empty");
+  keep(heights_over_shots(samples::flight(3000), 1.7).value(), "_3000");
+  keep(heights_over_shots(samples::flight(2), 1.7).value(), "_2");
+}
+
+TEST(Figures, AnyCalibrationCanBeDrawnOrSaysWhyNot) {
+  EXPECT_EQ(reprojection_bars({}).error().code, "nothing_to_draw");
+  EXPECT_EQ(board_poses({}).error().code, "nothing_to_draw");
+  EXPECT_EQ(residual_map({}).error().code, "nothing_to_draw");
+  auto calibration = samples::calibration(120);
+  keep(reprojection_bars(calibration).value(), "_120");
+  keep(board_poses(calibration).value(), "_120");
+  calibration.views[0].cam_from_board.translation.x() = kNaN;
+  calibration.views[1].mean_error_px = kInf;
+  calibration.views[2].image = "<script>&\"\xff\x80";
+  EXPECT_TRUE(reprojection_bars(calibration).ok());
+  const auto poses = board_poses(calibration);
+  ASSERT_TRUE(poses.ok());
+  EXPECT_FALSE(has_bad_number(*poses));
+}
+
+TEST(Figures, OverlayNamesItsFileSafelyAndKeepsHostileTextOut) {
+  const auto field = samples::field(320, 180, 20.0);
+  const auto figure =
+      row_overlay(field.picture, field.lines, "../a<b>&\"\xff$x$\n.jpg", {kOneColumnMm, 100.0});
+  ASSERT_TRUE(figure.ok());
+  EXPECT_EQ(figure->name, "rows____a_b_____x___jpg");
+  EXPECT_TRUE(holds(figure->svg, "&lt;b&gt;&amp;&quot;"));
+  EXPECT_FALSE(holds(figure->svg, "\xff"));
+}
+
+TEST(Figures, OverlayTakesAnyRowsAndPicture) {
+  auto field = samples::field(320, 180, 20.0);
+  const FigureOptions small{kOneColumnMm, 100.0};
+  rows::RowLines none;
+  none.status = "no_rows";
+  none.reason = "fewer than two rows stand out from the soil";
+  const auto without = row_overlay(samples::field().picture, none, "shot-1");
+  ASSERT_TRUE(without.ok());
+  EXPECT_TRUE(holds(without->caption, none.reason));
+  keep(*without, "_none");
+  EXPECT_TRUE(row_overlay(image::make_image(1, 1, 1), none, "dot", small).ok());
+  EXPECT_TRUE(row_overlay(image::make_image(4000, 1, 3), none, "line", small).ok());
+  EXPECT_TRUE(row_overlay(image::make_image(1, 4000, 3), none, "upright", small).ok());
+  EXPECT_EQ(row_overlay({}, none, "empty", small).error().code, "nothing_to_draw");
+  EXPECT_EQ(row_overlay(image::make_image(9, 9, 3), field.lines, "other", small).error().code,
+            "picture_size_differs");
+  field.lines.vanishing_point_px = Eigen::Vector2d(-4000.0, -9000.0);
+  field.lines.rows[0].samples[0].centre_px.x() = kNaN;
+  field.lines.rows[1].samples[0].centre_px.x() = 1e300;
+  field.lines.rows[2].samples.clear();
+  const auto far = row_overlay(field.picture, field.lines, "far", small);
+  ASSERT_TRUE(far.ok());
+  EXPECT_FALSE(has_bad_number(*far));
+  keep(*far);
+  field.lines.vanishing_point_px = Eigen::Vector2d(kNaN, kInf);
+  EXPECT_TRUE(row_overlay(field.picture, field.lines, "lost", small).ok());
+}
+
+TEST(Figures, SizesThatCannotBeDrawnAreErrors) {
+  const auto records = samples::flight(4);
+  EXPECT_EQ(heights_over_shots(records, 1.7, {10.0, 200.0}).error().code, "figure_size");
+  EXPECT_EQ(heights_over_shots(records, 1.7, {kNaN, 200.0}).error().code, "figure_size");
+  EXPECT_EQ(heights_over_shots(records, 1.7, {174.0, kNaN}).error().code, "figure_size");
+  EXPECT_EQ(heights_over_shots(records, 1.7, {174.0, 1e9}).error().code, "figure_too_large");
+  const auto print = heights_over_shots(records, 1.7, {174.0, 600.0});
+  ASSERT_TRUE(print.ok());
+  EXPECT_EQ(print->width_px, 4110);
+}
+
+TEST(Figures, PhotographKeepsItsColoursInTheOverlay) {
+  // One flat colour: whatever scales, averages or encodes it, it must come out as it went in.
+  Image flat = image::make_image(400, 200, 3);
+  for (std::size_t i = 0; i < flat.data.size(); i += 3) {
+    flat.data[i] = 40;
+    flat.data[i + 1] = 120;
+    flat.data[i + 2] = 200;
+  }
+  rows::RowLines none;
+  const Figure figure = row_overlay(flat, none, "flat", {kOneColumnMm, 150.0}).value();
+  const Image png = image::decode_image(figure.png, "flat").value();
+  const std::uint8_t* middle = png.at(png.width / 2, png.width / 4);
+  EXPECT_NEAR(middle[0], 40, 1);
+  EXPECT_NEAR(middle[1], 120, 1);
+  EXPECT_NEAR(middle[2], 200, 1);
+  EXPECT_TRUE(holds(figure.svg, "data:image/jpeg;base64,"));
+}
+
+TEST(Figures, LegsFollowTheLogsSteps) {
+  const auto legs = height_legs(samples::flight(48));
+  ASSERT_EQ(legs.size(), 3u);
+  EXPECT_EQ(legs[0].first, 0u);
+  EXPECT_EQ(legs[0].last, 15u);
+  EXPECT_EQ(legs[2].last, 47u);
+  EXPECT_NEAR(legs[1].mean_height_m, 4.1, 0.1);
+  EXPECT_TRUE(height_legs({}).empty());
+  EXPECT_TRUE(height_legs(std::vector<audit::ShotRecord>(4)).empty());
+}
+
+TEST(Figures, WrittenFilesAreTheFigure) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "furrow_figures_test";
+  std::filesystem::remove_all(folder);
+  const Figure figure = cross_track_over_shots(samples::flight(6), {kOneColumnMm, 100.0}).value();
+  ASSERT_TRUE(write_figure(folder, figure).ok());
+  EXPECT_EQ(base::read_file(folder / "cross_track_over_shots.png").value(), figure.png);
+  EXPECT_EQ(base::read_file(folder / "cross_track_over_shots.svg").value(), figure.svg);
+  EXPECT_EQ(base::read_csv(folder / "cross_track_over_shots.csv")->rows.size(), 6u);
+  std::filesystem::remove_all(folder);
+}
+
+/// The other side of NoRenderer.SaysWhatToInstall: runs where EGL finds no driver.
+TEST(NoRenderer, DISABLED_Child) {
+  const auto figure = cross_track_over_shots(samples::flight(6));
+  ASSERT_FALSE(figure.ok());
+  EXPECT_EQ(figure.error().code, "no_renderer");
+  EXPECT_TRUE(holds(figure.error().message(), "libegl-mesa0"));
+}
+
+TEST(NoRenderer, SaysWhatToInstall) {
+  // libglvnd looks for drivers in this folder only.
+  const std::string command =
+      "__EGL_VENDOR_LIBRARY_DIRS=/nonexistent '" + std::filesystem::read_symlink("/proc/self/exe").string() +
+      "' --gtest_also_run_disabled_tests --gtest_filter=NoRenderer.DISABLED_Child > /dev/null 2>&1";
+  EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
 }  // namespace
