@@ -229,7 +229,8 @@ void fill_covariance(const Round& round, const CalibrateOptions& options, Calibr
   const Eigen::MatrixXd full =
       out.sigma0_px * out.sigma0_px * round.model.basis * shared * round.model.basis.transpose();
   const Eigen::Index n = round.model.intrinsics_count();
-  out.camera.covariance = full.topLeftCorner(n, n);
+  // Equal both sides of the diagonal to the last bit, so that it reads back the same from rows or columns.
+  out.camera.covariance = 0.5 * (full.topLeftCorner(n, n) + full.topLeftCorner(n, n).transpose());
   const Eigen::Vector2d warp_m = warp_of(round.model, round.solved.shared);
   if (options.solve_aspect) {
     out.board_aspect = {board_of(round.model, round.solved.shared).aspect, std::sqrt(full(n, n)),

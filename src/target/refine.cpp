@@ -80,27 +80,32 @@ Normal normal_equations(const Window& window, const Eigen::Vector2d& centre_px, 
   return out;
 }
 
-/// How the corner moves with each pixel's grey level: the sum over the window of w g ((p - c) . derivative),
-/// squared and summed over pixels; neighbouring gradients share pixels, so their noise is not independent.
-Eigen::Matrix2d noise_of_sums(const Window& window, const Eigen::Vector2d& centre_px, double half_width_px) {
+/// Covariance of the corner for unit noise of each pixel. The corner c solves F = sum w g (g . (p - c)) = 0,
+/// so it moves by the inverse of dF/dc (the weights follow c) times dF/dpixel; both derivatives of g count,
+/// and neighbouring gradients share pixels.
+Eigen::Matrix2d unit_covariance(const Window& window, const Eigen::Vector2d& centre_px,
+                                double half_width_px) {
   const int side = window.side() + 2;
   std::vector<Eigen::Vector2d> by_pixel(static_cast<std::size_t>(side) * static_cast<std::size_t>(side),
                                         Eigen::Vector2d::Zero());
+  Eigen::Matrix2d by_corner = Eigen::Matrix2d::Zero();
   for (int y = 0; y < window.side(); ++y) {
     for (int x = 0; x < window.side(); ++x) {
-      const Eigen::Vector2d p = window.place(x, y) - centre_px;
-      const Eigen::Vector2d wg = weight_at(p, half_width_px) * window.gradient(x, y);
+      const Eigen::Vector2d p = window.place(x, y) - centre_px, g = window.gradient(x, y);
+      const double w = weight_at(p, half_width_px), off = g.dot(p);
+      by_corner += w * g * (2.0 * off / (half_width_px * half_width_px) * p - g).transpose();
       for (int dy = 0; dy < 3; ++dy) {
         for (int dx = 0; dx < 3; ++dx) {
-          const double moved = p.x() * kDerivative[dy][dx] + p.y() * kDerivative[dx][dy];
-          by_pixel[static_cast<std::size_t>((y + dy) * side + x + dx)] += moved * wg;
+          const Eigen::Vector2d d(kDerivative[dy][dx], kDerivative[dx][dy]);
+          by_pixel[static_cast<std::size_t>((y + dy) * side + x + dx)] += w * (d.dot(p) * g + off * d);
         }
       }
     }
   }
-  Eigen::Matrix2d out = Eigen::Matrix2d::Zero();
-  for (const Eigen::Vector2d& d : by_pixel) out += d * d.transpose();
-  return out;
+  Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
+  for (const Eigen::Vector2d& d : by_pixel) sum += d * d.transpose();
+  const Eigen::Matrix2d inverse = by_corner.inverse();
+  return inverse * sum * inverse.transpose();
 }
 
 /// A corner has gradients both ways: the weaker way must carry this share of the stronger.
@@ -131,8 +136,8 @@ std::optional<RefinedCorner> refine_corner(const Image& grey, const Eigen::Vecto
     px += step;
     if ((px - start_px).norm() > half) return std::nullopt;
     if (step.norm() < kConvergedPx) {
-      const Eigen::Matrix2d noise = noise_of_sums(window, before, half_width_px);
-      const Eigen::Matrix2d covariance = noise_grey * noise_grey * inverse * noise * inverse;
+      const Eigen::Matrix2d covariance =
+          noise_grey * noise_grey * unit_covariance(window, before, half_width_px);
       return RefinedCorner{px, std::sqrt(0.5 * covariance.trace())};
     }
   }
