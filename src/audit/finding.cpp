@@ -1,7 +1,8 @@
 #include "furrow/audit/finding.h"
 
+#include <algorithm>
 #include <cmath>
-#include <functional>
+#include <map>
 
 #include "furrow/base/text.h"
 #include "furrow/stats/agreement.h"
@@ -26,22 +27,33 @@ std::string percent(double share) {
   return format_fixed(100.0 * share, 0) + " %";
 }
 
-Finding shots_with_height(const std::vector<ShotRecord>& records, const Limits& limits) {
-  std::size_t with = 0;
-  std::string missing;
+/// "12 no_rows (shot-0003, shot-0004, shot-0009, ...): the first one's reason", one clause per status.
+std::string failures(const std::vector<ShotRecord>& records) {
+  constexpr std::size_t kNamed = 3;
+  std::map<std::string, std::vector<const ShotRecord*>> by_status;
   for (const ShotRecord& record : records) {
-    if (record.above_canopy_refined_m.usable()) {
-      ++with;
-    } else {
-      missing += (missing.empty() ? "" : "; ") + record.shot_id + ": " +
-                 (record.reason.empty() ? record.status : record.reason);
-    }
+    if (!record.above_canopy_refined_m.usable()) by_status[record.status].push_back(&record);
   }
+  std::string text;
+  for (const auto& [status, shots] : by_status) {
+    std::string names;
+    for (std::size_t i = 0; i < std::min(shots.size(), kNamed); ++i)
+      names += (i > 0 ? ", " : "") + shots[i]->shot_id;
+    if (shots.size() > kNamed) names += ", ...";
+    text += (text.empty() ? "" : "; ") + std::to_string(shots.size()) + " " + status + " (" + names + ")";
+    if (!shots[0]->reason.empty()) text += ": " + shots[0]->reason;
+  }
+  return text.empty() ? "every shot has one" : text;
+}
+
+Finding shots_with_height(const std::vector<ShotRecord>& records, const Limits& limits) {
+  const auto with = std::count_if(records.begin(), records.end(), [](const ShotRecord& record) {
+    return record.above_canopy_refined_m.usable();
+  });
   const double share = static_cast<double>(with) / static_cast<double>(records.size());
   return judged("shots.with_height", "Shots with a height from their rows", share >= limits.shots_with_height,
                 std::to_string(with) + " of " + std::to_string(records.size()) + " (" + percent(share) + ")",
-                "at least " + percent(limits.shots_with_height),
-                missing.empty() ? "every shot has one" : missing);
+                "at least " + percent(limits.shots_with_height), failures(records));
 }
 
 /// Log minus refined height above the ground. A barometer's zero is the take-off point, so a constant

@@ -161,6 +161,14 @@ report::Section calibration_section(const calib::Calibration& calibration,
       "divided by "
       "the square root of 2). Solver: " +
           calibration.termination + " after " + std::to_string(calibration.iterations) + " iterations."};
+  if (calibration.board_aspect.observations > 0) {
+    section.paragraphs.push_back(
+        "The board's squares were not taken for square: height / width solved as " +
+        with_sigma(calibration.board_aspect.value, calibration.board_aspect.sigma, 4) +
+        ", with square pixels (fx = fy).");
+  }
+  section.paragraphs.insert(section.paragraphs.end(), calibration.warnings.begin(),
+                            calibration.warnings.end());
   section.findings = findings;
   section.tables = {camera_table(calibration.camera), view_table(calibration)};
   section.figures = std::move(made);

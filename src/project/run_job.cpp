@@ -39,6 +39,7 @@ Result<RunCamera> prepare_camera(const Project& project, const JobOptions& job) 
   }
   calib::CalibrateOptions options;
   options.model = project.calibrate_model;
+  options.solve_aspect = project.calibrate_aspect;
   FURROW_TRY(result.calibration,
              calibrate_from_pictures(project.board_images, project.board_file, options, job));
   result.camera = result.calibration->camera;

@@ -89,7 +89,8 @@ void set_refined(audit::ShotRecord& record, const altitude::RefinedShot& refined
   record.above_canopy_refined_m = refined.height_above_canopy_m;
   record.above_ground_refined_m = refined.height_above_ground_m;
   record.cross_track_m = refined.cross_track_m;
-  record.heading_error_deg = in_degrees(refined.yaw_rad);
+  record.heading_error_deg = in_degrees(refined.heading_rad);
+  record.rows_used = refined.rows_used;
   record.status = refined.usable ? "ok" : "not_converged";
   record.reason = refined.usable ? "" : refined.termination;
 }

@@ -55,17 +55,26 @@ TEST_F(ProjectTest, ReadsTheSmallestForm) {
 TEST_F(ProjectTest, RefusesUnknownKeysWithTheNearestNameAndTheLine) {
   std::string yaml = kSmallest;
   yaml.replace(yaml.find("spacing_sigma_m"), 15, "spacing_sgima_m");
-  EXPECT_EQ(read(yaml).error().message(), "project.yaml:5: unknown key 'spacing_sgima_m' in 'rows'; wanted 'spacing_sigma_m' perhaps.");
-  EXPECT_NE(read(std::string(kSmallest) + "row: {}\n").error().message().find("project.yaml:6: unknown key 'row'"), std::string::npos);
+  EXPECT_EQ(read(yaml).error().message(),
+            "project.yaml:5: unknown key 'spacing_sgima_m' in 'rows'; wanted 'spacing_sigma_m' perhaps.");
+  EXPECT_NE(
+      read(std::string(kSmallest) + "row: {}\n").error().message().find("project.yaml:6: unknown key 'row'"),
+      std::string::npos);
 }
 
 TEST_F(ProjectTest, NamesWhatIsMissingOrWrong) {
-  EXPECT_EQ(read("name: x\nshots: { images: frames/*.jpg }\n").error().message(), "project.yaml: 'camera' is missing.");
+  EXPECT_EQ(read("name: x\nshots: { images: frames/*.jpg }\n").error().message(),
+            "project.yaml: 'camera' is missing.");
   EXPECT_EQ(read("name: x\ncamera: {}\nshots: { images: frames/*.jpg }\n").error().code, "bad_value");
-  EXPECT_EQ(read("name: x\ncamera: { model: camera.yaml }\nshots: { images: frames/*.tif }\n").error().code, "no_match");
-  EXPECT_EQ(read("name: x\ncamera: { model: camera.yaml }\nshots: { images: ${FURROW_NOT_SET}/*.jpg }\n").error().code, "variable_unset");
+  EXPECT_EQ(read("name: x\ncamera: { model: camera.yaml }\nshots: { images: frames/*.tif }\n").error().code,
+            "no_match");
+  EXPECT_EQ(read("name: x\ncamera: { model: camera.yaml }\nshots: { images: ${FURROW_NOT_SET}/*.jpg }\n")
+                .error()
+                .code,
+            "variable_unset");
   EXPECT_EQ(read("name: [\n").error().code, "malformed_yaml");
-  const auto negative = read("name: x\ncamera: { model: camera.yaml }\nshots: { images: frames/*.jpg }\nrows: { spacing_m: -3 }\n");
+  const auto negative = read(
+      "name: x\ncamera: { model: camera.yaml }\nshots: { images: frames/*.jpg }\nrows: { spacing_m: -3 }\n");
   EXPECT_EQ(negative.error().message(), "project.yaml:4: rows.spacing_m is -3; wanted a length above 0.");
   EXPECT_EQ(read_project(folder_ / "none.yaml").error().code, "file_missing");
 }

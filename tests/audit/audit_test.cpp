@@ -1,0 +1,86 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "furrow/audit/finding.h"
+#include "furrow/audit/shot_record.h"
+
+namespace furrow::audit {
+namespace {
+
+ShotRecord shot(const std::string& id, double height_m, double log_m) {
+  ShotRecord record;
+  record.shot_id = id;
+  record.image = id + ".jpg";
+  record.status = "ok";
+  record.above_canopy_refined_m = {height_m, 0.05, 20};
+  record.height_takeoff_m = log_m;
+  record.pitch_log_deg = -12.0;
+  record.pitch_deg = {-12.7, 0.2, 20};
+  return record;
+}
+
+const Finding& find(const std::vector<Finding>& findings, const std::string& id) {
+  const auto found =
+      std::find_if(findings.begin(), findings.end(), [&](const Finding& f) { return f.id == id; });
+  EXPECT_NE(found, findings.end()) << id;
+  return *found;
+}
+
+TEST(ShotsTable, LeavesEmptyWhatIsNotKnown) {
+  ShotRecord record;
+  record.shot_id = "a,b";
+  record.status = "no_rows";
+  const auto table = shots_table({record, shot("b", 2.0, 3.7)});
+  const auto cell = [&](std::size_t row, const char* name) {
+    return table.rows[row][table.column(name).value()];
+  };
+  EXPECT_EQ(cell(0, "above_canopy_refined_m"), "");
+  EXPECT_EQ(cell(0, "t_utc"), "");
+  EXPECT_EQ(cell(1, "above_canopy_refined_m"), "2.0000");
+  EXPECT_EQ(cell(1, "above_canopy_refined_sigma_m"), "0.0500");
+  EXPECT_EQ(cell(1, "height_takeoff_m"), "3.700");
+  for (const auto& row : table.rows) EXPECT_EQ(row.size(), table.columns.size());
+}
+
+TEST(AssessShots, NamesWhatIsMissingOncePerReason) {
+  std::vector<ShotRecord> records = {shot("a", 2.0, 3.7), shot("b", 2.1, 3.8)};
+  for (const char* id : {"c", "d", "e", "f"}) {
+    records.push_back({});
+    records.back().shot_id = id;
+    records.back().status = "no_rows";
+    records.back().reason = "nothing green";
+  }
+  const Finding finding = find(assess_shots(records, 1.7), "shots.with_height");
+  EXPECT_EQ(finding.verdict, Verdict::fail);
+  EXPECT_EQ(finding.value, "2 of 6 (33 %)");
+  EXPECT_EQ(finding.evidence, "4 no_rows (c, d, e, ...): nothing green");
+}
+
+TEST(AssessShots, JudgesTheLogAgainstTheRows) {
+  const std::vector<ShotRecord> good = {shot("a", 2.0, 3.8), shot("b", 2.1, 3.7)};
+  EXPECT_EQ(find(assess_shots(good, 1.7), "heights.log").verdict, Verdict::pass);
+  EXPECT_EQ(find(assess_shots(good, 1.7), "pitch.bias").value, "0.70 deg on average, sd 0.00 deg");
+  const std::vector<ShotRecord> high = {shot("a", 2.0, 5.7), shot("b", 2.1, 5.8)};
+  EXPECT_EQ(find(assess_shots(high, 1.7), "heights.log").verdict, Verdict::fail);
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(find(assess_shots(good, unknown), "heights.log").verdict, Verdict::not_assessed);
+  EXPECT_EQ(find(assess_shots({}, 1.7), "shots.with_height").verdict, Verdict::not_assessed);
+}
+
+TEST(AssessCalibration, ListsUnusedPictures) {
+  calib::Calibration calibration;
+  calibration.usable = true;
+  calibration.rms_px = 1.5;
+  calibration.views.resize(2);
+  calibration.views[0].used = true;
+  calibration.views[1].image = "b.jpg";
+  calibration.views[1].reason = "no board found";
+  const Finding finding = assess_calibration(calibration)[0];
+  EXPECT_EQ(finding.verdict, Verdict::fail);
+  EXPECT_NE(finding.evidence.find("b.jpg (no board found)"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace furrow::audit
