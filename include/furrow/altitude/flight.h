@@ -1,0 +1,82 @@
+#pragma once
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "furrow/altitude/shot_height.h"
+
+namespace furrow::altitude {
+
+/// One shot of a flight, as far as the refinement needs it.
+struct ShotInput {
+  std::string shot_id;
+  rows::RowLines lines;
+  /// What the gimbal says; sigma is the total, bias and noise together, as for refine_shot.
+  AttitudePrior attitude;
+  /// Height by the log above any fixed level (barometer, IMU), metres; NaN when not known. Only its steps are
+  /// used.
+  double log_height_m = std::numeric_limits<double>::quiet_NaN();
+  /// +1 when the shot looks along the rows' direction, -1 against it: on sloping ground the two see opposite
+  /// pitch errors.
+  double direction = 1.0;
+};
+
+struct FlightOptions {
+  RefineOptions shot;
+  /// One-sigma of the gimbal's angles from shot to shot, apart from what is common to the flight. Default:
+  /// logs give 0.1 deg steps and gimbals hold to about 0.2 deg.
+  double gimbal_noise_rad = 0.0035;
+  /// One-sigma of the slope of the rows' plane along the flight, common to all shots, in the direction of
+  /// travel. The shots' own waviness is shot.terrain_slope_sigma_rad.
+  double mean_slope_sigma_rad = 0.0087;
+  /// One-sigma of the common factor on the focal length; 0 keeps the camera's. Worth more than 0 only when
+  /// log heights are given.
+  double focal_sigma = 0.0;
+  /// One-sigma of how far a step of the height differs from the log's step, between neighbouring shots that
+  /// both have a log height.
+  double log_step_sigma_m = 0.15;
+  /// One-sigma of a step of the height itself between neighbouring shots; NaN for no such tie.
+  double height_step_sigma_m = std::numeric_limits<double>::quiet_NaN();
+  /// Threads for the work that is done shot by shot; 0: one per core. The result does not depend on it.
+  int threads = 0;
+};
+
+/// A quantity common to the flight, and whether the flight told it.
+struct SharedQuantity {
+  std::string name;    ///< pitch_bias, roll_bias, terrain_slope, focal_factor, row_spacing, half_width,
+                       ///< foliage_depth, base_ratio
+  Estimate prior;      ///< what was known before
+  Estimate posterior;  ///< what is known after all shots
+  /// Posterior sigma over prior sigma: 1 when the flight says nothing about it, near 0 when the flight alone
+  /// fixes it.
+  double sigma_ratio = 1.0;
+  /// The name of the shared quantity that it correlates with most, and that correlation: near -1 or 1, only
+  /// the two together are told.
+  std::string most_correlated;
+  double correlation = 0.0;
+};
+
+/// A flight's refinement.
+struct RefinedFlight {
+  std::vector<RefinedShot> shots;   ///< one for each input; not usable where status is not "ok"
+  std::vector<std::string> status;  ///< "ok", or the shot's error code
+  std::vector<std::string> reason;  ///< the shot's error message when not ok
+  /// Log minus true pitch and roll against level ground along the mean slope; radians.
+  Estimate pitch_bias_rad, roll_bias_rad;
+  Estimate row_spacing_m, half_width_m, foliage_depth_m;
+  std::vector<SharedQuantity> shared;
+  Eigen::MatrixXd shared_correlation;  ///< in the order of `shared`
+  int iterations = 0;
+  double residual_rms = 0.0;  ///< weighted; about 1 when the sigmas are right
+  std::string termination = "never ran";
+  bool usable = false;
+};
+
+/// All shots at once: each has its height, angles and cross-track; gimbal bias, slope, focal factor and the
+/// farm's numbers are shared (docs/formulation/altitude.md, section 9). Time and memory grow linearly with
+/// the shots. Errors: no_shots, no_spacing, not_finite, bad_field, no_usable_shot (with the first shot's
+/// reason), solve_failed.
+Result<RefinedFlight> refine_flight(const std::vector<ShotInput>& shots, const Camera& camera,
+                                    const FieldKnowledge& field, const FlightOptions& options = {});
+
+}  // namespace furrow::altitude

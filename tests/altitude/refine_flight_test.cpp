@@ -1,0 +1,199 @@
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+#include <chrono>
+#include <cmath>
+
+#include "altitude/arrow.h"
+#include "field_generator.h"
+#include "furrow/altitude/flight.h"
+#include "furrow/geom/angles.h"
+#include "furrow/stats/agreement.h"
+
+namespace furrow::altitude {
+namespace {
+
+using geom::deg_to_rad;
+using testing::Noise;
+using testing::World;
+
+struct TestFlight {
+  std::vector<ShotInput> shots;
+  std::vector<World> worlds;
+  FieldKnowledge field;
+};
+
+struct Bias {
+  double pitch_rad = 0.0, roll_rad = 0.0;
+};
+
+/// A straight flight at slowly changing height whose gimbal log is biased.
+TestFlight fly(int count, const Bias& bias, const Noise& noise, base::Random& random) {
+  TestFlight flight;
+  World world;
+  flight.field = testing::knowledge_of(world, 0.01);
+  flight.field.half_width_m.sigma = 0.06;
+  flight.field.foliage_depth_m = {};
+  flight.field.base_width_ratio = {};
+  const Camera camera = testing::thesis_camera();
+  for (int i = 0; i < count; ++i) {
+    world.height_above_canopy_m = 2.3 + 0.5 * std::sin(0.3 * i);
+    world.cross_track_m = random.normal(0.0, 0.3);
+    world.attitude = {deg_to_rad(random.normal(0.0, 2.0)), deg_to_rad(-13.8 + random.normal(0.0, 0.3)),
+                      deg_to_rad(random.normal(0.0, 0.2))};
+    ShotInput shot;
+    shot.shot_id = "shot" + std::to_string(i);
+    shot.lines = testing::picture_of(world, camera, noise, random.bits());
+    const double log_noise = deg_to_rad(0.2);
+    shot.attitude.pitch_rad = {world.attitude.pitch_rad + bias.pitch_rad + random.normal(0.0, log_noise),
+                               deg_to_rad(1.0), 1};
+    shot.attitude.roll_rad = {world.attitude.roll_rad + bias.roll_rad + random.normal(0.0, log_noise),
+                              deg_to_rad(1.0), 1};
+    shot.log_height_m = world.height_above_canopy_m + 20.0 + random.normal(0.0, 0.1);
+    flight.shots.push_back(shot);
+    flight.worlds.push_back(world);
+  }
+  return flight;
+}
+
+const Noise kNoise{
+    .edge_sigma_px = 1.5, .correlation = 0.6, .planting_sigma_m = 0.03, .growth_sigma_m = 0.03};
+
+FlightOptions level_ground() {
+  FlightOptions options;
+  options.mean_slope_sigma_rad = 0.0;
+  options.shot.terrain_slope_sigma_rad = 0.0;
+  return options;
+}
+
+TEST(Arrow, InverseEqualsTheDenseOne) {
+  base::Random random(3);
+  constexpr int n = 3, m = 2, shots = 4, size = n * shots + m;
+  Eigen::MatrixXd root(size, size);
+  for (int i = 0; i < size; ++i) {
+    for (int j = 0; j < size; ++j) root(i, j) = random.normal();
+  }
+  Eigen::MatrixXd full = root * root.transpose() + 5.0 * Eigen::MatrixXd::Identity(size, size);
+  ArrowMatrix arrow;
+  for (int i = 0; i < shots; ++i) {
+    for (int j = i + 2; j < shots; ++j)
+      full.block(n * i, n * j, n, n).setZero(), full.block(n * j, n * i, n, n).setZero();
+    arrow.diagonal.push_back(full.block(n * i, n * i, n, n));
+    arrow.border.push_back(full.block(n * i, n * shots, n, m));
+    if (i + 1 < shots) arrow.next.push_back(full.block(n * i, n * (i + 1), n, n));
+  }
+  // Zeroed blocks can cost definiteness; the shift keeps it.
+  full += 20.0 * Eigen::MatrixXd::Identity(size, size);
+  for (auto& block : arrow.diagonal) block += 20.0 * Eigen::MatrixXd::Identity(n, n);
+  arrow.corner = full.bottomRightCorner(m, m);
+  const Eigen::MatrixXd expected = full.inverse();
+  const auto inverse = invert(arrow);
+  ASSERT_TRUE(inverse);
+  for (int i = 0; i < shots; ++i) {
+    EXPECT_LT((inverse->diagonal[static_cast<std::size_t>(i)] - expected.block(n * i, n * i, n, n)).norm(),
+              1e-12);
+    EXPECT_LT((inverse->border[static_cast<std::size_t>(i)] - expected.block(n * i, n * shots, n, m)).norm(),
+              1e-12);
+  }
+  EXPECT_LT((inverse->corner - expected.bottomRightCorner(m, m)).norm(), 1e-12);
+  arrow.diagonal[1].setZero();
+  EXPECT_FALSE(invert(arrow));
+}
+
+// Issue: pitch bias from one flight of 12 shots to 0.1 deg.
+TEST(RefineFlight, FindsTheGimbalBiasFromTwelveShots) {
+  base::Random random(5);
+  double squares = 0.0;
+  int inside = 0;
+  constexpr int kFlights = 12;
+  for (int i = 0; i < kFlights; ++i) {
+    const TestFlight flight = fly(12, {deg_to_rad(0.7), deg_to_rad(-0.4)}, kNoise, random);
+    const auto result = refine_flight(flight.shots, testing::thesis_camera(), flight.field, level_ground());
+    ASSERT_TRUE(result.ok()) << result.error().message();
+    const double error = result->pitch_bias_rad.value - deg_to_rad(0.7);
+    squares += error * error;
+    inside += std::abs(error) < 2.0 * result->pitch_bias_rad.sigma;
+    EXPECT_LT(result->pitch_bias_rad.sigma, deg_to_rad(0.1));
+    EXPECT_NEAR(result->roll_bias_rad.value, deg_to_rad(-0.4), 4.0 * result->roll_bias_rad.sigma);
+  }
+  EXPECT_LT(std::sqrt(squares / kFlights), deg_to_rad(0.1));
+  EXPECT_GE(inside, 9);
+  std::printf("pitch bias rms error of 12-shot flights: %.3f deg\n",
+              geom::rad_to_deg(std::sqrt(squares / kFlights)));
+}
+
+TEST(RefineFlight, SigmaOfTheHeightsHolds) {
+  base::Random random(6);
+  std::vector<Estimate> estimates;
+  std::vector<double> truths;
+  for (int i = 0; i < 20; ++i) {
+    TestFlight flight = fly(12, {deg_to_rad(0.7), 0.0}, kNoise, random);
+    flight.field.row_spacing_m.value += random.normal(0.0, flight.field.row_spacing_m.sigma);
+    flight.field.half_width_m.value += random.normal(0.0, flight.field.half_width_m.sigma);
+    const auto result = refine_flight(flight.shots, testing::thesis_camera(), flight.field, level_ground());
+    ASSERT_TRUE(result.ok()) << result.error().message();
+    // One shot a flight: the spacing's error is common to a flight.
+    estimates.push_back(result->shots[5].height_above_canopy_m);
+    truths.push_back(flight.worlds[5].height_above_canopy_m);
+  }
+  const stats::Coverage coverage = stats::coverage(estimates, truths);
+  // 20 flights scatter by 0.104 and 0.047.
+  EXPECT_NEAR(coverage.within_1_sigma, 0.683, 0.05 + 2.0 * 0.104);
+  EXPECT_NEAR(coverage.within_2_sigma, 0.954, 0.05 + 2.0 * 0.047);
+}
+
+TEST(RefineFlight, SaysWhatTheFlightTellsAndWhatNot) {
+  base::Random random(7);
+  const TestFlight flight = fly(12, {deg_to_rad(0.7), 0.0}, kNoise, random);
+  FlightOptions options = level_ground();
+  options.mean_slope_sigma_rad = deg_to_rad(0.5);
+  const auto result = refine_flight(flight.shots, testing::thesis_camera(), flight.field, options);
+  ASSERT_TRUE(result.ok()) << result.error().message();
+  const auto shared = [&](const std::string& name) {
+    for (const SharedQuantity& q : result->shared) {
+      if (q.name == name) return q;
+    }
+    ADD_FAILURE() << name;
+    return SharedQuantity{};
+  };
+  // Seen from one side only, slope and pitch bias are one number; height over spacing is all a picture knows.
+  EXPECT_EQ(shared("pitch_bias").most_correlated, "terrain_slope");
+  EXPECT_LT(shared("pitch_bias").correlation, -0.9);
+  EXPECT_GT(shared("row_spacing").sigma_ratio, 0.8);
+  EXPECT_LT(shared("half_width").sigma_ratio, 0.5);
+
+  TestFlight there_and_back = flight;
+  for (std::size_t i = 0; i < 12; i += 2) there_and_back.shots[i].direction = -1.0;
+  const auto told = refine_flight(there_and_back.shots, testing::thesis_camera(), flight.field, options);
+  ASSERT_TRUE(told.ok());
+  EXPECT_LT(told->pitch_bias_rad.sigma, deg_to_rad(0.1));
+}
+
+TEST(RefineFlight, ABadShotIsNamedAndSkipped) {
+  base::Random random(8);
+  TestFlight flight = fly(5, {}, kNoise, random);
+  flight.shots[2].lines.rows.resize(1);
+  flight.shots[3].lines.status = "no_rows";
+  const auto result = refine_flight(flight.shots, testing::thesis_camera(), flight.field);
+  ASSERT_TRUE(result.ok()) << result.error().message();
+  EXPECT_EQ(result->status, (std::vector<std::string>{"ok", "ok", "not_enough_rows", "rows_not_ok", "ok"}));
+  EXPECT_FALSE(result->shots[2].usable);
+  EXPECT_TRUE(result->shots[4].usable);
+  EXPECT_EQ(refine_flight({}, testing::thesis_camera(), flight.field).error().code, "no_shots");
+  EXPECT_EQ(refine_flight({flight.shots[2]}, testing::thesis_camera(), flight.field).error().code,
+            "no_usable_shot");
+}
+
+TEST(RefineFlight, SameBytesWhateverTheThreads) {
+  base::Random random(9);
+  const TestFlight flight = fly(6, {}, kNoise, random);
+  FlightOptions one, two;
+  one.threads = 1, two.threads = 2;
+  const auto a = refine_flight(flight.shots, testing::thesis_camera(), flight.field, one);
+  const auto b = refine_flight(flight.shots, testing::thesis_camera(), flight.field, two);
+  ASSERT_TRUE(a.ok() && b.ok());
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_EQ(a->shots[i].height_above_canopy_m.value, b->shots[i].height_above_canopy_m.value);
+}
+
+}  // namespace
+}  // namespace furrow::altitude
