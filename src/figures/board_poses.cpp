@@ -89,7 +89,7 @@ std::vector<BoardDrawn> boards_of(const calib::Calibration& calibration) {
   return boards;
 }
 
-Room room_around(const std::vector<BoardDrawn>& boards) {
+Room room_around(const std::vector<BoardDrawn>& boards, double width_mm) {
   Room room{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   for (const BoardDrawn& board : boards) {
     for (const auto& corner : board.outline) {
@@ -98,8 +98,8 @@ Room room_around(const std::vector<BoardDrawn>& boards) {
     }
   }
   const double span = std::max((room.high - room.low).maxCoeff(), 1e-6);
-  constexpr int kStepsAlongLongest = 6;
-  const Ticks ticks = nice_ticks(0.0, span, kStepsAlongLongest);
+  constexpr double kMmPerStep = 28.0;
+  const Ticks ticks = nice_ticks(0.0, span, std::max(2, static_cast<int>(width_mm / kMmPerStep)));
   room.step_m = ticks.values.size() > 1 ? ticks.values[1] - ticks.values[0] : span;
   room.decimals = ticks.decimals;
   for (int axis = 0; axis < 3; ++axis) {
@@ -234,8 +234,9 @@ void draw_board(Drawing& drawing, const View3& view, const BoardDrawn& board, Co
   drawing.items.push_back(Stroke{corners, edge, 0.9, {}});
 }
 
-/// Numbers at the boards' centres, moved apart where they would cover each other.
-void draw_numbers(Drawing& drawing, const View3& view, const std::vector<BoardDrawn>& boards) {
+/// Numbers at the boards' centres, moved apart where they would cover each other; returns how many found a
+/// place.
+std::size_t draw_numbers(Drawing& drawing, const View3& view, const std::vector<BoardDrawn>& boards) {
   constexpr double kSizePt = 7.5;
   std::vector<Point> placed;
   for (const BoardDrawn& board : boards) {
@@ -247,17 +248,20 @@ void draw_numbers(Drawing& drawing, const View3& view, const std::vector<BoardDr
         return ((there - other).cwiseAbs().array() < clear.array()).all();
       });
     };
-    // A spiral of tries around the centre; with none free the first place is taken.
-    for (int attempt = 1; attempt <= 40 && taken(at); ++attempt) {
+    // A spiral of tries around the centre. Among very many boards a number without a free place is left out.
+    constexpr int kTries = 30;
+    for (int attempt = 1; attempt <= kTries && taken(at); ++attempt) {
       const double angle = 2.4 * attempt, radius = 1.8 * kSizePt * std::sqrt(attempt / 6.0);
       at = view.map(board.centre) + radius * Point(std::cos(angle), std::sin(angle));
     }
+    if (taken(at)) continue;
     placed.push_back(at);
     if ((at - view.map(board.centre)).norm() > kSizePt) {
       drawing.items.push_back(Stroke{{view.map(board.centre), at}, kInk, 0.4, {}});
     }
     add_label(drawing, at, text, kSizePt, kInk, with_alpha(kWhite, 215));
   }
+  return placed.size();
 }
 
 base::CsvTable poses_table(const calib::Calibration& calibration, const std::vector<BoardDrawn>& boards) {
@@ -276,6 +280,37 @@ base::CsvTable poses_table(const calib::Calibration& calibration, const std::vec
   return table;
 }
 
+/// Boards from the farthest to the nearest, each tied to its place on the floor by a plumb line.
+void draw_boards(Drawing& drawing, const View3& view, const Room& room, std::vector<BoardDrawn> boards,
+                 const Axis& scale) {
+  std::stable_sort(boards.begin(), boards.end(), [&](const BoardDrawn& a, const BoardDrawn& b) {
+    return view.away.dot(a.centre) > view.away.dot(b.centre);
+  });
+  for (const BoardDrawn& board : boards) {
+    Eigen::Vector3d foot = board.centre;
+    foot.y() = room.high.y();
+    line(drawing, view, board.centre, foot, kMidGrey, 0.4, {1.2, 1.2});
+    add_marker(drawing, Marker::circle, view.map(foot), 2.0, kMidGrey);
+  }
+  for (const BoardDrawn& board : boards) {
+    draw_board(drawing, view, board, viridis((board.mean_error_px - scale.low) / (scale.high - scale.low)));
+  }
+}
+
+std::string poses_caption(std::size_t boards, std::size_t numbered) {
+  const auto degrees = [](double angle_rad) {
+    return base::format_fixed(geom::rad_to_deg(angle_rad), 0) + "\u00b0";
+  };
+  std::string caption =
+      "The " + count_of(boards, "board") +
+      " used, in the camera's frame (x right, y down, z forward), coloured by their mean reprojection "
+      "error. Orthographic view from behind the camera, " +
+      degrees(kAzimuthRad) + " from its axis and " + degrees(kElevationRad) +
+      " from above; dotted plumb lines end on the floor of the box.";
+  if (numbered < boards) caption += " Where boards crowd, view numbers are left out; the data table has all.";
+  return caption;
+}
+
 }  // namespace
 
 Result<Figure> board_poses(const calib::Calibration& calibration, const FigureOptions& options) {
@@ -283,49 +318,28 @@ Result<Figure> board_poses(const calib::Calibration& calibration, const FigureOp
   const std::vector<BoardDrawn> boards = boards_of(calibration);
   if (boards.empty()) return nothing_to_draw(name, "a calibration without a used view", "at least one");
 
-  constexpr double kMostHeightMm = 105.0, kScalesPt = 42.0, kColourBarPt = 46.0, kFootPt = 16.0;
-  FURROW_TRY(Drawing drawing, paper(options, kMostHeightMm));
-  const Room room = room_around(boards);
+  constexpr double kMostRoomMm = 95.0, kScalesPt = 42.0, kFootPt = 22.0, kBarMm = 60.0;
+  FURROW_TRY(Drawing drawing, paper(options, kMostRoomMm));
+  const Room room = room_around(boards, options.width_mm);
   View3 view = standard_view();
-  const double room_height = fit(view, room, {kMarginPt + kScalesPt, kMarginPt + kTickTextPt},
-                                 drawing.width_pt - 2 * kMarginPt - 2 * kScalesPt - kColourBarPt,
-                                 drawing.height_pt - kFootPt - 2 * kMarginPt);
-  drawing.height_pt = room_height + kTickTextPt + kFootPt + 2 * kMarginPt;
-
-  draw_room(drawing, view, room);
-  draw_scales(drawing, view, room);
+  const double top = kMarginPt + kTickTextPt;
+  const double room_height = fit(view, room, {kMarginPt + kScalesPt, top},
+                                 drawing.width_pt - 2 * (kMarginPt + kScalesPt), drawing.height_pt);
   std::vector<double> errors;
   for (const BoardDrawn& board : boards) errors.push_back(board.mean_error_px);
   const Axis scale = axis_over("mean reprojection error / px", errors, 5, true);
 
-  std::vector<BoardDrawn> far_first = boards;
-  std::stable_sort(far_first.begin(), far_first.end(), [&](const BoardDrawn& a, const BoardDrawn& b) {
-    return view.away.dot(a.centre) > view.away.dot(b.centre);
-  });
-  for (const BoardDrawn& board : far_first) {  // plumb lines tie each board to its place on the floor
-    Eigen::Vector3d foot = board.centre;
-    foot.y() = room.high.y();
-    line(drawing, view, board.centre, foot, kMidGrey, 0.4, {1.2, 1.2});
-    add_marker(drawing, Marker::circle, view.map(foot), 2.0, kMidGrey);
-  }
-  for (const BoardDrawn& board : far_first) {
-    draw_board(drawing, view, board, viridis((board.mean_error_px - scale.low) / (scale.high - scale.low)));
-  }
+  draw_room(drawing, view, room);
+  draw_scales(drawing, view, room);
+  draw_boards(drawing, view, room, boards, scale);
   draw_camera(drawing, view, calibration.camera, 0.8 * room.step_m, room.high.z());
-  draw_numbers(drawing, view, boards);
-  const double bar_height = std::min(0.7 * drawing.height_pt, 150.0);
-  draw_colour_bar(drawing,
-                  {drawing.width_pt - kMarginPt - kColourBarPt, 0.5 * (drawing.height_pt - bar_height)},
-                  bar_height, scale);
-
-  const std::string caption =
-      "The " + count_of(boards.size(), "board") +
-      " used, in the camera's frame (x right, y down, z forward), coloured by their mean "
-      "reprojection error. Orthographic view from behind the camera, " +
-      base::format_fixed(geom::rad_to_deg(kAzimuthRad), 0) + "\u00b0 from its axis and " +
-      base::format_fixed(geom::rad_to_deg(kElevationRad), 0) +
-      "\u00b0 from above; dotted plumb lines end on the floor of the box.";
-  return finish(name, caption, drawing, poses_table(calibration, boards), options);
+  const std::size_t numbered = draw_numbers(drawing, view, boards);
+  const double bar_top = top + room_height + kFootPt, bar_width = kBarMm * kPointsPerMm;
+  const double bar_height =
+      draw_colour_bar(drawing, {0.5 * (drawing.width_pt - bar_width), bar_top}, bar_width, scale);
+  drawing.height_pt = bar_top + bar_height + kMarginPt;
+  return finish(name, poses_caption(boards.size(), numbered), drawing, poses_table(calibration, boards),
+                options);
 }
 
 }  // namespace furrow::figures

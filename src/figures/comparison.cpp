@@ -326,6 +326,7 @@ Result<Figure> heights_by_leg(const std::vector<ShotRecord>& records, double row
   if (legs.empty()) return nothing_to_draw(name, "no shot with a log height", "at least one");
   // More panels than this can no longer be read; the longest legs say most.
   constexpr std::size_t kMostPanels = 9, kPanelsPerLine = 3;
+  constexpr double kNarrowestPanelMm = 50.0;
   const std::size_t all = legs.size();
   if (all > kMostPanels) {
     std::stable_sort(legs.begin(), legs.end(), [](const HeightLeg& a, const HeightLeg& b) {
@@ -335,9 +336,10 @@ Result<Figure> heights_by_leg(const std::vector<ShotRecord>& records, double row
     std::sort(legs.begin(), legs.end(),
               [](const HeightLeg& a, const HeightLeg& b) { return a.first < b.first; });
   }
-  const std::size_t columns = std::min(kPanelsPerLine, legs.size());
+  const auto fitting = static_cast<std::size_t>(std::max(1.0, options.width_mm / kNarrowestPanelMm));
+  const std::size_t columns = std::min({kPanelsPerLine, legs.size(), fitting});
   const std::size_t lines = (legs.size() + columns - 1) / columns;
-  constexpr double kPanelMm = 58.0, kTitlePt = 12.0;
+  constexpr double kPanelMm = 54.0, kTitlePt = 12.0;
   FURROW_TRY(Drawing drawing, paper(options, kPanelMm * static_cast<double>(lines) + 8.0));
 
   std::vector<std::vector<Series>> panels;

@@ -27,6 +27,11 @@ double widest_tick_pt(const Ticks& ticks) {
   return widest;
 }
 
+/// Room for ticks, numbers and text under an x axis.
+double below_axis_pt() {
+  return kTickLengthPt + 2 * kTextGapPt + kTickTextPt + (1.0 + kDescent) * kAxisTextPt;
+}
+
 void draw_x_axis(Drawing& drawing, const Frame& frame, bool grid) {
   const double bottom = frame.bottom_right.y();
   for (const double value : frame.x.ticks.values) {
@@ -101,13 +106,23 @@ void draw_band(Drawing& drawing, const Frame& frame, const Series& series) {
   }
 }
 
+/// Room on the paper for each value of a series.
+double spacing_pt(const Frame& frame, const Series& series) {
+  return (frame.bottom_right.x() - frame.top_left.x()) /
+         static_cast<double>(std::max<std::size_t>(series.x.size(), 1));
+}
+
 void draw_line(Drawing& drawing, const Frame& frame, const Series& series) {
   if (!(series.line_pt > 0.0)) return;
+  // Where values stand closer than a dash is long, a thinner solid line says more.
+  constexpr double kDensePt = 1.5;
+  const bool dense = spacing_pt(frame, series) < kDensePt;
+  const double width_pt = dense ? 0.5 * series.line_pt : series.line_pt;
   for (const auto& [first, last] : runs(series)) {
     std::vector<Point> points;
     for (std::size_t i = first; i <= last; ++i) points.push_back(frame.map(series.x[i], series.y[i]));
     for (auto& part : clip(points, frame.top_left, frame.bottom_right)) {
-      drawing.items.push_back(Stroke{std::move(part), series.colour, series.line_pt, series.dash});
+      drawing.items.push_back(Stroke{std::move(part), series.colour, width_pt, dense ? Dash{} : series.dash});
     }
   }
 }
@@ -123,18 +138,28 @@ void draw_beyond(Drawing& drawing, const Frame& frame, double x, bool above, Col
 }
 
 int draw_markers(Drawing& drawing, const Frame& frame, const Series& series) {
-  // Beyond this many the markers would run into each other; a lone value always keeps its own.
-  constexpr std::size_t kMostMarkers = 70;
-  const std::size_t step = series.line_pt > 0.0 ? 1 + series.y.size() / kMostMarkers : 1;
+  // On a line every k-th value gets a marker, so that they stay apart; loose values all get one, smaller
+  // where they crowd.
+  constexpr double kApartPt = 7.0, kSmallestPt = 1.2, kArrowApartPt = 5.0;
+  const double room_pt = spacing_pt(frame, series);
+  const bool on_line = series.line_pt > 0.0;
+  const auto step =
+      on_line ? static_cast<std::size_t>(std::ceil(kApartPt / std::max(room_pt, 1e-3))) : std::size_t{1};
+  const double size_pt =
+      on_line ? series.marker_pt : std::clamp(2.0 * room_pt, kSmallestPt, series.marker_pt);
   int beyond = 0;
+  double last_arrow_x = -std::numeric_limits<double>::infinity();
   for (const auto& [first, last] : runs(series)) {
     for (std::size_t i = first; i <= last; ++i) {
+      const Point at = frame.map(series.x[i], series.y[i]);
       if (!frame.holds(series.y[i])) {
-        draw_beyond(drawing, frame, series.x[i], series.y[i] > frame.y.high, series.colour);
         ++beyond;
+        if (std::abs(at.x() - last_arrow_x) < kArrowApartPt) continue;
+        draw_beyond(drawing, frame, series.x[i], series.y[i] > frame.y.high, series.colour);
+        last_arrow_x = at.x();
       } else if (i % step == 0 || first == last) {
         const Marker marker = series.marker == Marker::none && first == last ? Marker::circle : series.marker;
-        add_marker(drawing, marker, frame.map(series.x[i], series.y[i]), series.marker_pt, series.colour);
+        add_marker(drawing, marker, at, size_pt, series.colour);
       }
     }
   }
@@ -173,6 +198,8 @@ Ticks nice_ticks(double low, double high, int wanted) {
   const double slack = 1e-9;
   const double first = std::ceil(low / step - slack), last = std::floor(high / step + slack);
   for (double i = first; i <= last; ++i) ticks.values.push_back(i * step);
+  // One tick shows no scale: a span that holds only one multiple needs the next finer step.
+  if (ticks.values.size() < 2) return nice_ticks(low, high, 2 * std::max(wanted, 1));
   return ticks;
 }
 
@@ -231,8 +258,14 @@ Frame draw_axes(Drawing& drawing, const Point& outer_top_left, const Point& oute
   Frame frame{outer_top_left, outer_bottom_right, x, y};
   frame.top_left.x() += kAxisTextPt + 2 * kTextGapPt + widest_tick_pt(y.ticks) + kTickLengthPt;
   frame.top_left.y() += 0.5 * kTickTextPt;
-  frame.bottom_right.x() -= 0.5 * kTickTextPt;
-  frame.bottom_right.y() -= kTickLengthPt + 2 * kTextGapPt + kTickTextPt + (1.0 + kDescent) * kAxisTextPt;
+  // Half of the last number on the x axis stands beyond the frame.
+  const double last_tick_pt =
+      x.ticks.values.empty() ? 0.0
+                             : text_width_pt(tick_text(x.ticks.values.back(), x.ticks.decimals), kTickTextPt);
+  const double over = x.ticks.values.empty() ? 0.0 : (x.high - x.ticks.values.back()) / (x.high - x.low);
+  frame.bottom_right.x() -=
+      std::max(1.0, 0.5 * last_tick_pt - over * (frame.bottom_right.x() - frame.top_left.x()));
+  frame.bottom_right.y() -= below_axis_pt();
   draw_x_axis(drawing, frame, vertical_grid);
   draw_y_axis(drawing, frame, outer_top_left.x());
   add_frame(drawing, frame.top_left, frame.bottom_right, kInk, kAxisPenPt);
@@ -286,26 +319,18 @@ void draw_note(Drawing& drawing, const Frame& frame, const std::string& text) {
       Text{0.5 * (frame.top_left + frame.bottom_right), text, kAxisTextPt, kMidGrey, Align::middle});
 }
 
-void draw_colour_bar(Drawing& drawing, const Point& top_left, double height_pt, const Axis& axis) {
+double draw_colour_bar(Drawing& drawing, const Point& top_left, double width_pt, const Axis& axis) {
   constexpr int kSteps = 64;
-  constexpr double kWidthPt = 8.0;
-  const Frame frame{top_left, top_left + Point(kWidthPt, height_pt), {"", 0.0, 1.0, {}}, axis};
-  // From the top, each down to the foot: rectangles that only touch would leave hairlines between them.
+  constexpr double kBarPt = 7.0;
+  const Frame frame{top_left, top_left + Point(width_pt, kBarPt), axis, {"", 0.0, 1.0, {}}};
+  // From the right, each back to the left end: rectangles that only touch would leave hairlines between them.
   for (int i = kSteps; i > 0; --i) {
-    const double top = top_left.y() + height_pt * (1.0 - static_cast<double>(i) / kSteps);
-    add_rectangle(drawing, {top_left.x(), top}, frame.bottom_right, viridis((i - 0.5) / kSteps));
+    const double right = top_left.x() + width_pt * i / kSteps;
+    add_rectangle(drawing, top_left, {right, frame.bottom_right.y()}, viridis((i - 0.5) / kSteps));
   }
   add_frame(drawing, frame.top_left, frame.bottom_right, kInk, kAxisPenPt);
-  for (const double value : axis.ticks.values) {
-    const Point at = frame.map(1.0, value);
-    drawing.items.push_back(Stroke{{at, at + Point(kTickLengthPt, 0)}, kInk, kAxisPenPt, {}});
-    drawing.items.push_back(Text{at + Point(kTickLengthPt + 2.0, kCapHeight / 2 * kTickTextPt),
-                                 tick_text(value, axis.ticks.decimals), kTickTextPt});
-  }
-  const double text_x = top_left.x() + kWidthPt + kTickLengthPt + 2.0 + widest_tick_pt(axis.ticks) +
-                        kTextGapPt + kCapHeight * kAxisTextPt;
-  drawing.items.push_back(Text{
-      {text_x, top_left.y() + 0.5 * height_pt}, axis.text, kAxisTextPt, kInk, Align::middle, false, true});
+  draw_x_axis(drawing, frame, false);
+  return kBarPt + below_axis_pt();
 }
 
 }  // namespace furrow::figures

