@@ -19,7 +19,7 @@ using Eigen::Vector3f;
 constexpr double kBlack = 0.035, kWhite = 0.40, kWall = 0.11;  // linear, under the session's light
 constexpr double kPaperMargin = 0.9;  // white paper beyond the outer squares, in squares
 constexpr int kFine = 8;              // samples along each side of a pixel that holds an edge
-constexpr double kPictureMargin_px = 12.0;
+constexpr double kPictureMargin_px = 6.0;
 
 /// Light of the sheet's plane at a point of the board.
 double sheet(const Boards& b, const Vector2d& x_in_board) {
@@ -39,11 +39,11 @@ Eigen::Matrix3d board_from_ray(const Rigid3& cam_from_board) {
   return plane.inverse();
 }
 
+/// Whether all squares are in the picture; the paper around them need not be.
 bool fits(const Scene& scene, const Rigid3& cam_from_board) {
   const Boards& b = scene.boards;
-  const double paper = 1.0 + kPaperMargin;
-  for (double x : {-paper, b.corners_x - 1 + paper}) {
-    for (double y : {-paper, b.corners_y - 1 + paper}) {
+  for (double x : {-1.0, static_cast<double>(b.corners_x)}) {
+    for (double y : {-1.0, static_cast<double>(b.corners_y)}) {
       const auto px =
           camera::project(scene.camera, cam_from_board * Vector3d(x * b.square_m, y * b.square_m, 0.0));
       if (!px || px->x() < kPictureMargin_px || px->y() < kPictureMargin_px ||
@@ -76,9 +76,10 @@ std::vector<Rigid3> true_boards(const Scene& scene) {
     const Eigen::Quaterniond rotation(
         Eigen::AngleAxisd(angle, tilt_axis) *
         Eigen::AngleAxisd(random.normal(0.0, geom::deg_to_rad(6.0)), Vector3d::UnitZ()));
-    double part = random.uniform(0.32, 0.58);  // breadth of the board in the picture's
+    double part = random.uniform(0.30, 0.55);  // breadth of the board in the picture's
     Rigid3 pose;
-    // Pulls the board towards the middle, then away from the camera, until all its paper is in the picture.
+    // Pulls the board towards the middle, then away from the camera, until all its squares are in the
+    // picture.
     for (double pull = 0.0; part > 0.01; pull += 0.04) {
       const double distance_m = scene.camera.fx * breadth_m / (part * scene.camera.width);
       const double reach = std::max(0.0, 1.0 - pull);

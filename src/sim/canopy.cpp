@@ -31,12 +31,13 @@ constexpr double kTransmitted = 0.45;                     // light through a lea
 constexpr double kExtinction_per_m = 4.0;                 // of the sun inside the canopy
 constexpr int kShadowSteps = 5;
 constexpr double kShadowEdge_m = 0.12;  // softness of a row's outline in its shadow
-constexpr double kFitLength_m = 24.0;   // row length on which a level's silhouette is measured
+constexpr double kFitLength_m = 24.0;   // row length on which the finest level's silhouette is measured
+constexpr double kLongestFit = 8.0;     // the coarsest levels' over it
 constexpr double kSunwards_m = 0.06;    // from a wall to its sunward side
 constexpr double kHiddenFrom = 0.25;    // depth from which a far wall is out of sight
 constexpr double kOpenReach = 4.0;      // sigmas to which open_above() is tabulated
-constexpr int kFitRounds = 2;
-constexpr int kFitRow = 100003;  // a row number that no field has
+constexpr int kFitRounds = 3;
+constexpr int kFitRow = 1021;  // a row number that no field has, yet small enough for float coordinates
 
 double smoothstep(double q) {
   q = std::clamp(q, 0.0, 1.0);
@@ -106,9 +107,13 @@ bool Canopy::plant_missing(int row, std::int64_t plant) const {
   return unit_hash(key(21, row, plant)) < scene_.field.gap_probability;
 }
 
+double Canopy::even_density(int row, double s) const {
+  return 1.0 + scene_.field.density_variation * std::clamp(line_noise(key(22, row), s, 0.8), -2.0, 2.0);
+}
+
 double Canopy::density(int row, double s) const {
   const Field& f = scene_.field;
-  const double even = 1.0 + f.density_variation * std::clamp(line_noise(key(22, row), s, 0.8), -2.0, 2.0);
+  const double even = even_density(row, s);
   const double at = s / f.plant_spacing_m;
   const auto plant = static_cast<std::int64_t>(std::floor(at));
   if (plant_missing(row, plant)) {
@@ -183,15 +188,16 @@ Canopy::Course Canopy::course_of(const Piece& piece, const Fit& fit) const {
   const int row = piece.row;
   Course course{};
   course.sun = to_sun(piece.direction_rad);
+  // Roughness has mean 0: the shape is fitted without it, so that no one stretch's bumps enter the fit.
+  const double width_rough = piece.calibrating ? 0.0 : f.width_roughness_m;
+  const double height_rough = piece.calibrating ? 0.0 : f.height_roughness_m;
   for (std::size_t i = 0; i < Course::kNodes; ++i) {
     const double part = static_cast<double>(i) / (Course::kNodes - 1);
     const double s = (piece.number + part) * kPiece_m;
-    course.top[i] = f.row_height_m - fit.drop_m + f.height_roughness_m * rough(key(23, row), s);
-    course.left[i] =
-        std::max(0.02, f.half_width_m - fit.inset_m + f.width_roughness_m * rough(key(24, row), s));
-    course.right[i] =
-        std::max(0.02, f.half_width_m - fit.inset_m + f.width_roughness_m * rough(key(25, row), s));
-    course.density[i] = piece.calibrating ? 1.0 : density(row, s);
+    course.top[i] = f.row_height_m - fit.drop_m + height_rough * rough(key(23, row), s);
+    course.left[i] = std::max(0.02, f.half_width_m - fit.inset_m + width_rough * rough(key(24, row), s));
+    course.right[i] = std::max(0.02, f.half_width_m - fit.inset_m + width_rough * rough(key(25, row), s));
+    course.density[i] = piece.calibrating ? even_density(row, s) : density(row, s);
     if (piece.calibrating) continue;
     course.tone[i] = line_noise(key(26, row), s, f.plant_spacing_m);
     const double wall_l = f.half_width_m + part * (f.base_half_width_m - f.half_width_m);
@@ -411,18 +417,22 @@ Canopy::Fit Canopy::fit_level(int level) const {
   const Field& f = scene_.field;
   // Corn has one level: a plant is a plant.
   if (f.crop == Crop::corn && level > 0) return fits_[0];
+  // Coarser leaves are fewer: a longer stretch holds as many.
+  const double length_m = kFitLength_m * std::min(stretch_of(level) * widen_of(level), kLongestFit);
+  constexpr int kBeyond =
+      3;  // pieces at both ends, so that long leaves cover the ends as they cover the middle
   Fit fit;
   for (int round = 0; round < kFitRounds; ++round) {
     std::vector<Leaf> leaves;
-    // Three metres beyond both ends, so that long leaves cover the ends as they cover the middle.
-    for (int piece = -3; piece < static_cast<int>(kFitLength_m) + 3; ++piece) {
+    for (int piece = -kBeyond; piece < static_cast<int>(length_m / kPiece_m) + kBeyond; ++piece) {
       if (f.crop == Crop::corn) {
-        append_corn(0, piece, fit, true, 0.0, leaves);
+        append_corn(kFitRow, piece, fit, true, 0.0, leaves);
       } else {
-        append_vines({0, piece, level, 0, true, 0.0}, fit, leaves);
+        append_vines({kFitRow, piece, level, 0, true, 0.0}, fit, leaves);
       }
     }
-    const Silhouette seen = measure_silhouette(leaves, kFitLength_m, f.half_width_m);
+    for (Leaf& leaf : leaves) leaf.centre.y() -= static_cast<float>(kFitRow * f.spacing_m);
+    const Silhouette seen = measure_silhouette(leaves, length_m, f.half_width_m);
     fit.inset_m += seen.half_width_m - f.half_width_m;
     fit.drop_m += seen.top_m - f.row_height_m;
   }

@@ -62,6 +62,9 @@ class Canopy {
   /// Foliage present at s of a row: 0 in a gap, about 1 elsewhere.
   double density(int row, double s) const;
 
+  /// The same without gaps.
+  double even_density(int row, double s) const;
+
   /// Half width of the envelope at a height above the soil; 0 where there is no foliage.
   double envelope_half_width(double height_m) const;
 

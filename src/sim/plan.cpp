@@ -170,7 +170,8 @@ CameraState FlightPath::at(double t_s) const {
   const double w = phase.smooth ? smoothstep(q) : q;
   const auto blend = [w](double a, double b) { return a + w * (b - a); };
   const double planned_m = blend(phase.from.height_m, phase.to.height_m);
-  const double wander = smoothstep(std::clamp(planned_m / kFullWanderHeight_m, 0.0, 1.0));
+  const double wander =
+      smoothstep(std::clamp((planned_m - kCameraOnGround_m) / kFullWanderHeight_m, 0.0, 1.0));
 
   CameraState state;
   state.t_s = t_s;
