@@ -22,12 +22,46 @@ PlanarField in_picture(const PlanarField& map_field, const GreenMap& map) {
   return field;
 }
 
-RowLine row_of(const PlanarField& field, int k, const RowLines& lines, const std::vector<double>& sample_v) {
+/// Centre and spacing of the followed field on a row of the picture; beyond its strips the planar field's,
+/// moved to meet it.
+struct Cut {
+  double centre = 0.0, spacing = 0.0;  // px of the picture; centre of row 0
+};
+Cut cut_at(const FollowedField& followed, const PlanarField& field, const GreenMap& map, double v) {
+  const double v_map = (v + 0.5) / map.scale_v - 0.5;
+  if (followed.v.empty()) return {field.u_at(v, 0.0), field.spacing_at(v)};
+  std::size_t upper = 0;
+  while (upper < followed.v.size() && followed.v[upper] < v_map) ++upper;
+  double centre = 0.0, spacing = 0.0;
+  const auto relative = [&](std::size_t i, double& shift, double& stretch) {
+    const double at = map.v_in_picture(followed.v[i]);
+    stretch = followed.spacing[i] * map.scale_u / field.spacing_at(at);
+    shift = (map.u_in_picture(followed.centre[i]) - field.u_at(at, followed.centre_k)) / field.spacing_at(at);
+  };
+  double shift = 0.0, stretch = 1.0;
+  if (upper == 0 || upper == followed.v.size()) {
+    relative(upper == 0 ? 0 : upper - 1, shift, stretch);
+  } else {
+    double shift_b = 0.0, stretch_b = 1.0;
+    relative(upper - 1, shift, stretch);
+    relative(upper, shift_b, stretch_b);
+    const double part = (v_map - followed.v[upper - 1]) / (followed.v[upper] - followed.v[upper - 1]);
+    shift += part * (shift_b - shift);
+    stretch += part * (stretch_b - stretch);
+  }
+  spacing = field.spacing_at(v) * stretch;
+  centre = field.u_at(v, followed.centre_k) + shift * field.spacing_at(v) - followed.centre_k * spacing;
+  return {centre, spacing};
+}
+
+RowLine row_of(const PlanarField& field, const FollowedField& followed, const GreenMap& map, int k,
+               const RowLines& lines, const std::vector<double>& sample_v) {
   RowLine row;
   row.index = k;
   for (const double v : sample_v) {
     if (field.scale(v) <= 0.02) continue;
-    const double spacing = field.spacing_at(v), u = field.u_at(v, k);
+    const Cut cut = cut_at(followed, field, map, v);
+    const double spacing = cut.spacing, u = cut.centre + k * spacing;
     if (u < -spacing || u > lines.width - 1.0 + spacing) continue;
     RowSample sample;
     sample.centre_px = {u, v};
@@ -64,6 +98,7 @@ RowLines detect_field(const Image& picture, const DetectOptions& options) {
   }
   const PlanarField field = in_picture(found->field, map);
   lines.field = field;
+  const FollowedField& followed = found->followed;
   lines.vanishing_point_px = field.vanishing_point();
   const auto sample_v = sample_rows(picture.height, std::min(options.sample_step_px, picture.height / 60.0));
   // Rows that cross the picture below the horizon.
@@ -79,7 +114,7 @@ RowLines detect_field(const Image& picture, const DetectOptions& options) {
     }
   }
   for (int k = first; k <= last; ++k) {
-    RowLine row = row_of(field, k, lines, sample_v);
+    RowLine row = row_of(field, followed, map, k, lines, sample_v);
     if (row.samples.size() >= 2) lines.rows.push_back(std::move(row));
   }
   index_rows(lines);

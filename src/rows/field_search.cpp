@@ -3,248 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 
+#include "rows/coarse_search.h"
 #include "rows/simplex.h"
 
 namespace furrow::rows {
 namespace {
 
-// ---- Search: rectify for a trial horizon, shear, sum along the rows
-// --------------------------------------------------------------
+using Parameters = std::array<double, 6>;
 
-constexpr int kBins = 256;         // across the rectified field
-constexpr int kSearchStrips = 40;  // along it
-constexpr double kSearchScale =
-    0.30;  // strips whose spacing is below this part of the bottom one wait for the refinement
-constexpr float kLevels = 64.0F;  // grey levels of a strip's standard deviation in 16-bit sums
-
-/// Strips rectified for one convergence: every row has the same spacing in all of them.
-struct Rectified {
-  double convergence = 0.0, bin_px = 1.0;
-  struct Line {
-    double y = 0.0, weight = 1.0;
-    int first = 0, last = -1;         // bins inside the picture
-    std::vector<std::int16_t> value;  // 3 * kBins: zero outside the picture
-  };
-  std::vector<Line> lines;
-};
-
-PlanarField anchored(const Strips& strips) {
-  PlanarField field;
-  field.u0 = 0.5 * (strips.width - 1);
-  field.v0 = strips.height - 1.0;
-  field.length = strips.height;
-  return field;
-}
-
-Rectified rectify(const Strips& strips, double convergence) {
-  PlanarField field = anchored(strips);
-  field.convergence = convergence;
-  Rectified result;
-  result.convergence = convergence;
-  const double half_width = 0.5 * strips.width;
-  const double widening = 1.0 + 1.2 * std::clamp(convergence, 0.0, 1.0);
-  result.bin_px = 2.0 * half_width * widening / kBins;
-  for (std::size_t j = 0; j < strips.count(); ++j) {
-    const double scale = field.scale(strips.v[j]);
-    if (scale < kSearchScale) continue;
-    Rectified::Line line;
-    line.y = field.t(strips.v[j]) / scale;
-    line.weight = scale;
-    line.value.assign(3 * kBins, 0);
-    line.first = 3 * kBins;
-    for (int i = 0; i < 3 * kBins; ++i) {
-      const double x = (i - 1.5 * kBins) * result.bin_px, half = 0.5 * result.bin_px;
-      const double u = field.u0 + scale * x;
-      if (u < 0.0 || u > strips.width - 1.0) continue;
-      const auto mean = strips.mean(j, u - scale * half, u + scale * half);
-      line.value[static_cast<std::size_t>(i)] = static_cast<std::int16_t>(
-          std::lround(std::clamp(mean.value * scale, -4.0, 4.0) * static_cast<double>(kLevels)));
-      line.first = std::min(line.first, i);
-      line.last = i;
-    }
-    if (line.last >= line.first) result.lines.push_back(std::move(line));
-  }
-  return result;
-}
-
-struct Aligned {
-  std::array<std::int16_t, kBins> sum;
-  std::array<float, kBins> weight;
-};
-
-/// Sum of all lines, each shifted by slope y + bend y^2 (px).
-void align(const Rectified& rectified, double slope, double bend, Aligned& out) {
-  out.sum.fill(0);
-  std::array<float, kBins + 1> steps{};
-  for (const auto& line : rectified.lines) {
-    const double shift = line.y * (slope + line.y * bend) / rectified.bin_px;
-    const int offset = std::clamp(kBins + static_cast<int>(std::lround(shift)), 0, 2 * kBins);
-    const std::int16_t* value = line.value.data() + offset;
-    for (int i = 0; i < kBins; ++i)
-      out.sum[static_cast<std::size_t>(i)] =
-          static_cast<std::int16_t>(out.sum[static_cast<std::size_t>(i)] + value[i]);
-    const int first = std::clamp(line.first - offset, 0, kBins),
-              last = std::clamp(line.last + 1 - offset, 0, kBins);
-    steps[static_cast<std::size_t>(first)] += static_cast<float>(line.weight);
-    steps[static_cast<std::size_t>(last)] -= static_cast<float>(line.weight);
-  }
-  float weight = 0.0F;
-  for (int i = 0; i < kBins; ++i) {
-    weight += steps[static_cast<std::size_t>(i)];
-    out.weight[static_cast<std::size_t>(i)] = weight;
-  }
-}
-
-/// Variance that columns of the aligned sum explain.
-float explained(const Aligned& aligned) {
-  float total = 0.0F;
-  for (int i = 0; i < kBins; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    const float sum = static_cast<float>(aligned.sum[at]) / kLevels;
-    total += sum * sum / (aligned.weight[at] + 1.0F);
-  }
-  return total;
-}
-
-struct Trial {
-  double convergence = 0.0, slope = 0.0, bend = 0.0, spacing = 0.0, offset = 0.0, tooth = 0.3;
-  double score = 0.0;
-};
-
-constexpr int kPhases = 24;
-
-/// Epoch folding: the spacing, phase and width of the comb that explains most of an aligned profile (best
-/// few).
-void fold(const Aligned& aligned, double bin_px, double least_px, double most_px, Trial base,
-          std::vector<Trial>& out) {
-  constexpr double kRatio = 1.025;  // successive spacings; 10 rows away that is a quarter of a spacing
-  std::vector<Trial> found;
-  for (double spacing = least_px; spacing <= most_px; spacing *= kRatio) {
-    std::array<float, 2 * kPhases> sum{}, weight{};
-    float total_sum = 0.0F, total_weight = 0.0F;
-    const double step = bin_px / spacing * kPhases;
-    double phase = std::fmod(-0.5 * kBins * step, kPhases) + kPhases;
-    for (int i = 0; i < kBins; ++i) {
-      const auto bin = static_cast<std::size_t>(phase) % kPhases;
-      const auto at = static_cast<std::size_t>(i);
-      sum[bin] += static_cast<float>(aligned.sum[at]);
-      weight[bin] += aligned.weight[at];
-      phase += step;
-      if (phase >= 2 * kPhases) phase -= kPhases;
-    }
-    for (std::size_t i = 0; i < kPhases; ++i) {
-      sum[i] /= kLevels;
-      sum[i + kPhases] = sum[i];
-      weight[i + kPhases] = weight[i];
-      total_sum += sum[i];
-      total_weight += weight[i];
-    }
-    Trial best = base;
-    best.score = 0.0;
-    for (const int width : {3, 5, 8, 12}) {
-      for (int first = 0; first < kPhases; ++first) {
-        float in_sum = 0.0F, in_weight = 0.0F;
-        for (int i = first; i < first + width; ++i) {
-          in_sum += sum[static_cast<std::size_t>(i)];
-          in_weight += weight[static_cast<std::size_t>(i)];
-        }
-        const float out_weight = total_weight - in_weight;
-        if (in_weight <= 0.0F || out_weight <= 0.0F) continue;
-        const float contrast = in_sum / in_weight - (total_sum - in_sum) / out_weight;
-        if (contrast <= 0.0F) continue;
-        const double score = static_cast<double>(contrast * contrast * in_weight * out_weight / total_weight);
-        if (score <= best.score) continue;
-        best.score = score;
-        best.spacing = spacing;
-        best.offset = (first + 0.5 * width) / kPhases * spacing;
-        best.tooth = static_cast<double>(width) / kPhases;
-      }
-    }
-    found.push_back(best);
-  }
-  // Local maxima over the spacing, best first.
-  std::vector<Trial> peaks;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const bool is_peak = found[i].score > 0.0 && (i == 0 || found[i].score >= found[i - 1].score) &&
-                         (i + 1 == found.size() || found[i].score > found[i + 1].score);
-    if (is_peak) peaks.push_back(found[i]);
-  }
-  std::sort(peaks.begin(), peaks.end(), [](const Trial& a, const Trial& b) { return a.score > b.score; });
-  constexpr std::size_t kKept = 3;
-  if (peaks.size() > kKept) peaks.resize(kKept);
-  out.insert(out.end(), peaks.begin(), peaks.end());
-}
-
-struct Sheared {
-  float score = 0.0F;
-  std::size_t rectified = 0;
-  double slope = 0.0, bend = 0.0;
-};
-
-std::vector<Trial> coarse_trials(const Strips& strips) {
-  static constexpr std::array kConvergences = {-0.2, 0.0,  0.15, 0.3,  0.42, 0.54, 0.64, 0.72,
-                                               0.8,  0.88, 0.96, 1.06, 1.2,  1.4,  1.7,  2.1};
-  std::vector<Rectified> rectified;
-  std::vector<Sheared> sheared;
-  Aligned aligned;
-  for (const double convergence : kConvergences) {
-    rectified.push_back(rectify(strips, convergence));
-    const auto& lines = rectified.back().lines;
-    if (lines.size() < 5) continue;
-    const double depth = std::max(std::abs(lines.front().y), std::abs(lines.back().y));
-    // Slopes: the vanishing point within a picture width of the picture's middle, or 60 deg from vertical in
-    // a view straight down.
-    const double most = std::max(std::abs(convergence) * strips.width,
-                                 1.75 * strips.height * std::max(0.0, 1.0 - std::abs(convergence)));
-    const double step = 3.0 * rectified.back().bin_px / depth;
-    std::vector<Sheared> here;
-    for (const double bend_part : {-1.0, 0.0, 1.0}) {
-      const double bend = bend_part * 12.0 * rectified.back().bin_px / (depth * depth);
-      const int steps = static_cast<int>(std::ceil(most / step));
-      for (int i = -steps; i <= steps; ++i) {
-        align(rectified.back(), i * step, bend, aligned);
-        here.push_back({explained(aligned), rectified.size() - 1, i * step, bend});
-      }
-    }
-    std::sort(here.begin(), here.end(), [](const Sheared& a, const Sheared& b) { return a.score > b.score; });
-    // The best few of this convergence that differ.
-    std::vector<Sheared> kept;
-    for (const Sheared& one : here) {
-      const bool near = std::any_of(kept.begin(), kept.end(), [&](const Sheared& other) {
-        return std::abs(other.slope - one.slope) < 2.5 * step && other.bend == one.bend;
-      });
-      if (!near) kept.push_back(one);
-      if (kept.size() >= 5) break;
-    }
-    sheared.insert(sheared.end(), kept.begin(), kept.end());
-  }
-  std::sort(sheared.begin(), sheared.end(),
-            [](const Sheared& a, const Sheared& b) { return a.score > b.score; });
-  constexpr std::size_t kFolded = 36;
-  if (sheared.size() > kFolded) sheared.resize(kFolded);
-  std::vector<Trial> trials;
-  for (const Sheared& one : sheared) {
-    const Rectified& source = rectified[one.rectified];
-    align(source, one.slope, one.bend, aligned);
-    Trial base;
-    base.convergence = source.convergence;
-    base.slope = one.slope;
-    base.bend = one.bend;
-    fold(aligned, source.bin_px, std::max(6.0, 4.0 * source.bin_px), 0.75 * strips.width, base, trials);
-  }
-  std::sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.score > b.score; });
-  return trials;
-}
-
-// ---- Refinement: a smooth comb on the picture itself
-// ---------------------------------------------------------------------------
-
-constexpr double kLeastSpacingPx = 3.0,
-                 kFullSpacingPx = 7.0;  // of the map: below the first rows cannot be told apart
-
-PlanarField field_of(const PlanarField& anchor, const std::array<double, 6>& x) {
+PlanarField field_of(const PlanarField& anchor, const Parameters& x) {
   PlanarField field = anchor;
   field.convergence = x[0];
   field.spacing = x[1];
@@ -255,153 +23,275 @@ PlanarField field_of(const PlanarField& anchor, const std::array<double, 6>& x) 
   return field;
 }
 
-std::array<double, 6> parameters(const PlanarField& field) {
+Parameters parameters(const PlanarField& field) {
   return {field.convergence, field.spacing, field.offset, field.slope, field.bend, field.bend2};
 }
 
-PlanarField refine(const Strips& strips, const PlanarField& start, double tooth, double least_scale,
-                   double size, bool bends, int calls, const SearchPriors& priors) {
-  const auto cost = [&](const std::array<double, 6>& x) {
+/// Rows bend gently. With depth along the rows measured in spacings, z = y L / spacing, a row departs from
+/// its tangent by c2 z^2 + c3 z^3 spacings; these are the one-sigma of c2 and c3 (c2 = 0.012: a radius of 40
+/// spacings). The weight is in units of the score.
+constexpr double kBendSigma = 0.012, kBend2Sigma = 6e-4, kBendWeight = 0.002;
+
+double bend_cost(const PlanarField& field) {
+  const double depth = field.length / field.spacing;
+  const double c2 = field.bend / (field.spacing * depth * depth),
+               c3 = field.bend2 / (field.spacing * depth * depth * depth);
+  return kBendWeight * (c2 * c2 / (kBendSigma * kBendSigma) + c3 * c3 / (kBend2Sigma * kBend2Sigma));
+}
+
+/// A horizon that is known pulls softly: at most as much as a tenth of a clear picture's score.
+double horizon_cost(const PlanarField& field, const SearchPriors& priors) {
+  if (!priors.horizon_v || !priors.horizon_sigma) return 0.0;
+  constexpr double kWeight = 0.005, kMostSigmas = 3.0;
+  const double horizon = field.horizon_v().value_or(-1e9);
+  const double off = std::min(std::abs(horizon - *priors.horizon_v) / *priors.horizon_sigma, kMostSigmas);
+  return kWeight * off * off;
+}
+
+/// Better parameters near `start`. `size` is the simplex's size: it moves rows at the far end of the strips
+/// by about that many spacings.
+PlanarField refine(const Response& response, const PlanarField& start, const Emphasis& emphasis, double size,
+                   int calls, const SearchPriors& priors) {
+  constexpr double kLeastSpacingPx = 4.0;
+  const auto cost = [&](const Parameters& x) {
     const PlanarField field = field_of(start, x);
-    if (field.spacing < 4.0 || field.spacing > strips.width) return 1.0;
-    double penalty = 0.0;
-    if (priors.horizon_v && priors.horizon_sigma) {
-      const double horizon = field.horizon_v().value_or(-1e9);
-      const double off = std::min(std::abs(horizon - *priors.horizon_v) / *priors.horizon_sigma, 5.0);
-      penalty = 0.005 * off * off;
-    }
-    return penalty - comb_score(strips, field, tooth, least_scale);
+    if (!(field.spacing >= kLeastSpacingPx && field.spacing <= response.width)) return 1.0;
+    return bend_cost(field) + horizon_cost(field, priors) - comb_score(response, field, emphasis);
   };
-  // Steps that move a row by about size x spacing at the far end of the strips used.
-  const double far = 1.0 / std::max(least_scale, 0.05), s = start.spacing * size;
+  const double far = 1.0 / std::max(emphasis.least_scale, 0.05), s = start.spacing * size;
   const double depth = std::max(1.0, (far - 1.0) / std::max(std::abs(start.convergence), 0.3));
-  const std::array<double, 6> step = {0.08 * size,
-                                      0.25 * s,
-                                      s,
-                                      1.5 * s / depth,
-                                      bends ? 1.5 * s / (depth * depth) : 0.0,
-                                      bends ? 1.0 * s / (depth * depth * depth) : 0.0};
-  return field_of(start, minimise_simplex(cost, parameters(start), step, calls, 1e-6));
+  const Parameters step = {
+      0.08 * size, 0.25 * s, s, 1.5 * s / depth, 1.5 * s / (depth * depth), s / (depth * depth * depth)};
+  return field_of(start, minimise_simplex(cost, parameters(start), step, calls, 1e-5));
+}
+
+// ---- Following: centre and spacing may leave the plane from strip to strip, by dynamic programming
+// -------------------------------
+
+constexpr int kShifts = 15, kStretches = 6;               // states on each side
+constexpr double kShiftStep = 0.05, kStretchStep = 0.04;  // spacings; relative spacing
+constexpr int kStates = (2 * kShifts + 1) * (2 * kStretches + 1);
+constexpr int state_of(int shift, int stretch) {
+  return (shift + kShifts) * (2 * kStretches + 1) + stretch + kStretches;
+}
+
+struct Step {
+  float cost = 0.0F;
+  int from = -1;
+};
+
+/// Cost of every state on one strip: minus its response.
+void strip_costs(const Response& response, std::size_t j, const PlanarField& field, double centre_k,
+                 double reach, std::vector<Step>& out) {
+  constexpr int kRows = 5;
+  const double v = static_cast<double>(response.v[j]);
+  const float spacing0 = static_cast<float>(field.spacing_at(v)),
+              centre0 = static_cast<float>(field.u_at(v, centre_k));
+  std::array<float, 2 * kRows + 1> weight{};
+  for (int k = -kRows; k <= kRows; ++k)
+    weight[static_cast<std::size_t>(k + kRows)] = static_cast<float>(1.0 / (1.0 + k * k / (reach * reach)));
+  const float right = static_cast<float>(response.width - 1);
+  for (int e = -kStretches; e <= kStretches; ++e) {
+    const float spacing = spacing0 * static_cast<float>(std::exp(e * kStretchStep));
+    for (int d = -kShifts; d <= kShifts; ++d) {
+      const float centre = centre0 + static_cast<float>(d * kShiftStep) * spacing0;
+      float sum = 0.0F, weights = 0.0F;
+      for (int k = -kRows; k <= kRows; ++k) {
+        const float u = centre + static_cast<float>(k) * spacing;
+        if (u < 0.0F || u > right) continue;
+        const float w = weight[static_cast<std::size_t>(k + kRows)];
+        sum += w * response.at(j, u);
+        weights += w;
+      }
+      Step& step = out[static_cast<std::size_t>(state_of(d, e))];
+      step.cost = weights > 0.0F ? -response.fade[j] * sum / weights : 0.0F;
+      step.from = -1;
+    }
+  }
+}
+
+/// Adds the cheapest way from the strip below.
+void add_transitions(const std::vector<Step>& below, float stiffness, std::vector<Step>& here) {
+  for (int d = -kShifts; d <= kShifts; ++d) {
+    for (int e = -kStretches; e <= kStretches; ++e) {
+      float best = 1e9F;
+      int from = -1;
+      for (int dd = std::max(-kShifts, d - 2); dd <= std::min(kShifts, d + 2); ++dd) {
+        for (int ee = std::max(-kStretches, e - 1); ee <= std::min(kStretches, e + 1); ++ee) {
+          const int moves = (d - dd) * (d - dd) + (e - ee) * (e - ee);
+          const float cost =
+              below[static_cast<std::size_t>(state_of(dd, ee))].cost + stiffness * static_cast<float>(moves);
+          if (cost < best) best = cost, from = state_of(dd, ee);
+        }
+      }
+      Step& step = here[static_cast<std::size_t>(state_of(d, e))];
+      step.cost += best;
+      step.from = from;
+    }
+  }
+}
+
+FollowedField follow(const Response& response, const PlanarField& field, double centre_k, double reach) {
+  constexpr double kStiffness =
+      0.3;  // of a state's step between strips at the bottom, in units of the response
+  constexpr double kLeastScale = 0.04;
+  constexpr std::size_t kSmooth = 4;  // strips on each side
+  constexpr double kKept =
+      0.6;  // part of the departure that is kept: half noise, half field on the train half
+  FollowedField result;
+  result.centre_k = centre_k;
+  std::vector<std::size_t> used;  // from the bottom up
+  for (std::size_t j = response.v.size(); j-- > 0;)
+    if (field.scale(static_cast<double>(response.v[j])) > kLeastScale && response.fade[j] > 0.0F)
+      used.push_back(j);
+  if (used.empty()) return result;
+  std::vector<std::vector<Step>> table(used.size(), std::vector<Step>(kStates));
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    strip_costs(response, used[i], field, centre_k, reach, table[i]);
+    // Departures grow along the ground, and a strip covers ground as 1 / scale^2.
+    const double scale = field.scale(static_cast<double>(response.v[used[i]]));
+    if (i > 0) add_transitions(table[i - 1], static_cast<float>(kStiffness * scale * scale), table[i]);
+  }
+  const auto cheapest = std::min_element(table.back().begin(), table.back().end(),
+                                         [](const Step& a, const Step& b) { return a.cost < b.cost; });
+  int state = static_cast<int>(cheapest - table.back().begin());
+  std::vector<double> shift(used.size()), stretch(used.size());
+  for (std::size_t i = used.size(); i-- > 0;) {
+    shift[i] = (state / (2 * kStretches + 1) - kShifts) * kShiftStep;
+    stretch[i] = (state % (2 * kStretches + 1) - kStretches) * kStretchStep;
+    state = table[i][static_cast<std::size_t>(state)].from;
+  }
+  for (std::size_t i = used.size(); i-- > 0;) {
+    double d = 0.0, e = 0.0, weights = 0.0;
+    const std::size_t from = i > kSmooth ? i - kSmooth : 0, to = std::min(used.size() - 1, i + kSmooth);
+    for (std::size_t at = from; at <= to; ++at) {
+      const double w = static_cast<double>(kSmooth + 1 - (at > i ? at - i : i - at));
+      d += w * shift[at], e += w * stretch[at], weights += w;
+    }
+    const double v = static_cast<double>(response.v[used[i]]), spacing = field.spacing_at(v);
+    result.v.push_back(v);
+    result.centre.push_back(field.u_at(v, centre_k) + kKept * d / weights * spacing);
+    result.spacing.push_back(spacing * std::exp(kKept * e / weights));
+  }
+  return result;
+}
+
+/// The planar field nearest to a followed one, strips that left it far behind counting little.
+PlanarField fit_to(const FollowedField& followed, const PlanarField& start) {
+  constexpr double kOutlier = 0.15;  // spacings
+  const auto cost = [&](const Parameters& x) {
+    const PlanarField field = field_of(start, x);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < followed.v.size(); ++i) {
+      const double spacing = field.spacing_at(followed.v[i]);
+      if (spacing <= 0.0) {
+        sum += 2.0;
+        continue;
+      }
+      const double off = (field.u_at(followed.v[i], followed.centre_k) - followed.centre[i]) /
+                         followed.spacing[i] / kOutlier;
+      const double stretch = (spacing / followed.spacing[i] - 1.0) / kOutlier;
+      const double square = off * off + stretch * stretch;
+      sum += square / (1.0 + square);
+    }
+    return sum;
+  };
+  constexpr double kDepth = 5.0;  // pictures' heights along the ground that an oblique view shows
+  Parameters x = parameters(start);
+  for (const double size : {0.3, 0.1}) {
+    const double s = start.spacing * size;
+    x = minimise_simplex(
+        cost, x,
+        {0.1 * size, 0.2 * s, 0.5 * s, s / kDepth, s / (kDepth * kDepth), s / (kDepth * kDepth * kDepth)},
+        300, 1e-5);
+  }
+  return field_of(start, x);
+}
+
+// ---- The whole search
+// ------------------------------------------------------------------------------------------------------------
+
+double best_tooth(const Strips& strips, const PlanarField& field, double& score) {
+  double tooth = 0.3;
+  score = -1.0;
+  for (const double width : {0.12, 0.2, 0.3, 0.42, 0.55}) {
+    const double one = comb_score(respond(strips, field, width), field, {});
+    if (one > score) score = one, tooth = width;
+  }
+  return tooth;
+}
+
+/// Coarse trials refined on coarse strips; the best few that differ.
+std::vector<FoundField> refine_trials(const Strips& strips, const std::vector<Trial>& trials,
+                                      const SearchPriors& priors) {
+  constexpr std::size_t kTried = 10, kKept = 3;
+  constexpr int kCalls = 120;
+  std::vector<FoundField> found;
+  for (std::size_t i = 0; i < std::min(kTried, trials.size()); ++i) {
+    FoundField one;
+    one.tooth = std::clamp(trials[i].tooth, 0.2, 0.5);
+    one.field = refine(respond(strips, trials[i].field, one.tooth), trials[i].field, {.least_scale = 0.3},
+                       0.25, kCalls, priors);
+    one.score = comb_score(respond(strips, one.field, one.tooth), one.field, {.least_scale = 0.1}) *
+                evidence_part(mean_row_count(strips, one.field));
+    found.push_back(one);
+  }
+  std::sort(found.begin(), found.end(),
+            [](const FoundField& a, const FoundField& b) { return a.score > b.score; });
+  if (found.size() > kKept) found.resize(kKept);
+  return found;
+}
+
+/// From the near part of the field to the far one.
+void grow(const Strips& strips, const SearchPriors& priors, FoundField& found) {
+  constexpr int kCalls = 150;
+  for (const double least_scale : {0.2, 0.12, 0.05}) {
+    const Response response = respond(strips, found.field, found.tooth);
+    found.field = refine(response, found.field, {.least_scale = least_scale}, 0.12, kCalls, priors);
+  }
+  found.tooth = best_tooth(strips, found.field, found.score);
+  found.field = refine(respond(strips, found.field, found.tooth), found.field, {}, 0.05, kCalls, priors);
+  found.score = comb_score(respond(strips, found.field, found.tooth), found.field, {}) *
+                evidence_part(mean_row_count(strips, found.field));
+}
+
+/// The rows nearest the picture's middle decide at the end: passes of the planter lie apart by a little more
+/// or less than a spacing, so far rows pull the model off the near ones.
+void settle(const Strips& strips, const SearchPriors& priors, FoundField& found) {
+  constexpr double kReach = 2.0;  // rows
+  constexpr int kCalls = 300;
+  const Emphasis near{.centre_k = found.field.k_at(found.field.u0, 0.7 * strips.height), .reach = kReach};
+  const auto settled = [&](PlanarField field) {
+    for (int round = 0; round < 2; ++round)
+      field = refine(respond(strips, field, found.tooth), field, near, 0.05, kCalls, priors);
+    return field;
+  };
+  const double centre_k = std::round(near.centre_k);
+  const PlanarField direct = settled(found.field);
+  const Response response = respond(strips, direct, found.tooth);
+  const PlanarField followed = settled(fit_to(follow(response, direct, centre_k, kReach), direct));
+  const Response response_followed = respond(strips, followed, found.tooth);
+  const bool is_better = comb_score(response_followed, followed, near) > comb_score(response, direct, near);
+  found.field = is_better ? followed : direct;
+  found.followed = follow(is_better ? response_followed : response, found.field, centre_k, kReach);
 }
 
 }  // namespace
 
-Strips::Mean Strips::mean(std::size_t strip, double from, double to) const {
-  const double a = std::clamp(from + 0.5, 0.0, static_cast<double>(width)),
-               b = std::clamp(to + 0.5, 0.0, static_cast<double>(width));
-  if (b - a < 1e-6) return {};
-  const std::vector<float>& s = sum[strip];
-  const auto at = [&](double x) {
-    const auto i = std::min(static_cast<std::size_t>(x), static_cast<std::size_t>(width - 1));
-    return static_cast<double>(s[i]) + (x - static_cast<double>(i)) * static_cast<double>(s[i + 1] - s[i]);
-  };
-  return {(at(b) - at(a)) / (b - a), (b - a) / (to - from)};
-}
-
-Strips make_strips(const GreenMap& map, int strip_height) {
-  Strips strips;
-  strips.width = map.width;
-  strips.height = map.height;
-  strip_height = std::max(1, strip_height);
-  strips.strip_height = strip_height;
-  const int window = std::max(4, map.width / 4);  // half the window of the local mean
-  std::vector<double> running(static_cast<std::size_t>(map.width) + 1);
-  for (int top = 0; top + strip_height <= map.height; top += strip_height) {
-    std::vector<float> profile(static_cast<std::size_t>(map.width), 0.0F);
-    for (int v = top; v < top + strip_height; ++v)
-      for (int u = 0; u < map.width; ++u) profile[static_cast<std::size_t>(u)] += map.row(v)[u];
-    running[0] = 0.0;
-    for (std::size_t u = 0; u < profile.size(); ++u)
-      running[u + 1] = running[u] + static_cast<double>(profile[u]);
-    double square = 0.0;
-    std::vector<float> local(profile.size());
-    for (int u = 0; u < map.width; ++u) {
-      const int from = std::max(0, u - window), to = std::min(map.width, u + window + 1);
-      const double mean =
-          (running[static_cast<std::size_t>(to)] - running[static_cast<std::size_t>(from)]) / (to - from);
-      const auto at = static_cast<std::size_t>(u);
-      local[at] = profile[at] - static_cast<float>(mean);
-      square += static_cast<double>(local[at]) * static_cast<double>(local[at]);
-    }
-    const double sigma = std::sqrt(square / map.width) + 1e-3 * strip_height;
-    std::vector<float> sum(profile.size() + 1, 0.0F);
-    for (std::size_t u = 0; u < profile.size(); ++u) {
-      const double z = static_cast<double>(local[u]) / sigma;
-      local[u] = static_cast<float>(z / std::sqrt(1.0 + z * z / 9.0));
-      sum[u + 1] = sum[u] + local[u];
-    }
-    strips.v.push_back(top + 0.5 * (strip_height - 1));
-    strips.profile.push_back(std::move(local));
-    strips.sum.push_back(std::move(sum));
-  }
-  return strips;
-}
-
-double comb_score(const Strips& strips, const PlanarField& field, double tooth, double least_scale) {
-  double total = 0.0;
-  const double gain = std::sqrt(tooth * (1.0 - tooth));
-  for (std::size_t j = 0; j < strips.count(); ++j) {
-    const double v = strips.v[j], scale = field.scale(v);
-    if (scale < least_scale) continue;
-    const double spacing = field.spacing * scale;
-    if (spacing <= kLeastSpacingPx) continue;
-    const double fade = std::min(1.0, (spacing - kLeastSpacingPx) / (kFullSpacingPx - kLeastSpacingPx));
-    const double centre = field.u_at(v, 0.0), half = 0.5 * tooth * spacing;
-    const int first = static_cast<int>(std::floor(-centre / spacing)),
-              last = static_cast<int>(std::ceil((strips.width - 1.0 - centre) / spacing));
-    double in = 0.0, in_weight = 0.0, out = 0.0, out_weight = 0.0;
-    for (int k = first; k <= last; ++k) {
-      const double u = centre + k * spacing;
-      const auto row = strips.mean(j, u - half, u + half);
-      const auto alley = strips.mean(j, u + 0.5 * spacing - half, u + 0.5 * spacing + half);
-      in += row.value * row.weight;
-      in_weight += row.weight;
-      out += alley.value * alley.weight;
-      out_weight += alley.weight;
-    }
-    if (in_weight <= 0.0 || out_weight <= 0.0) continue;
-    total += fade * gain * (in / in_weight - out / out_weight);
-  }
-  return total / static_cast<double>(strips.count());
-}
-
 std::optional<FoundField> search_field(const GreenMap& map, const SearchPriors& priors) {
-  if (map.width < 24 || map.height < 16) return std::nullopt;
-  const Strips coarse = make_strips(map, std::max(1, map.height / kSearchStrips));
-  std::vector<Trial> trials = coarse_trials(coarse);
-  if (trials.empty()) return std::nullopt;
-  constexpr std::size_t kRefined = 10;
-  std::vector<FoundField> found;
-  const auto take = [&](const Trial& trial) {
-    PlanarField field = anchored(coarse);
-    field.convergence = trial.convergence;
-    field.spacing = trial.spacing;
-    field.offset = trial.offset;
-    field.slope = trial.slope;
-    field.bend = trial.bend;
-    const double tooth = std::clamp(trial.tooth, 0.2, 0.5);
-    field = refine(coarse, field, tooth, 0.3, 0.25, true, 120, priors);
-    FoundField one{field, tooth, comb_score(coarse, field, tooth, 0.1), 0.0};
-    found.push_back(one);
-  };
-  for (std::size_t i = 0; i < std::min(kRefined, trials.size()); ++i) take(trials[i]);
-  std::sort(found.begin(), found.end(),
-            [](const FoundField& a, const FoundField& b) { return a.score > b.score; });
-  constexpr std::size_t kFinished = 3;
-  if (found.size() > kFinished) found.resize(kFinished);
-  const Strips fine = make_strips(map, 3);
-  for (FoundField& one : found) {
-    for (const double least_scale : {0.2, 0.12, 0.05})
-      one.field = refine(fine, one.field, one.tooth, least_scale, 0.12, true, 150, priors);
-    for (const double tooth : {0.12, 0.2, 0.3, 0.42, 0.55}) {
-      const double score = comb_score(fine, one.field, tooth, 0.05);
-      if (score > one.score || tooth == 0.12) one.score = score, one.tooth = tooth;
-    }
-    one.field = refine(fine, one.field, one.tooth, 0.05, 0.05, true, 200, priors);
-    one.score = comb_score(fine, one.field, one.tooth, 0.05);
-  }
-  return *std::max_element(found.begin(), found.end(),
-                           [](const FoundField& a, const FoundField& b) { return a.score < b.score; });
+  constexpr int kLeastWidth = 24, kLeastHeight = 16;  // px: fewer hold no pattern
+  constexpr int kCoarseStrips = 40, kFineStrips = 80;
+  if (map.width < kLeastWidth || map.height < kLeastHeight) return std::nullopt;
+  const Strips coarse = make_strips(map, std::max(1, map.height / kCoarseStrips));
+  const std::vector<Trial> trials = coarse_search(coarse);
+  std::vector<FoundField> found = refine_trials(coarse, trials, priors);
+  if (found.empty()) return std::nullopt;
+  const Strips fine = make_strips(map, std::max(1, map.height / kFineStrips));
+  for (FoundField& one : found) grow(fine, priors, one);
+  FoundField best = *std::max_element(
+      found.begin(), found.end(), [](const FoundField& a, const FoundField& b) { return a.score < b.score; });
+  settle(fine, priors, best);
+  return best;
 }
 
 }  // namespace furrow::rows

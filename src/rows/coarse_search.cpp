@@ -1,0 +1,275 @@
+#include "rows/coarse_search.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace furrow::rows {
+namespace {
+
+constexpr std::size_t kBins = 224;  // across the rectified field
+/// Strips whose spacing is below this part of the bottom one wait for the refinement: small errors of the
+/// horizon tear them apart.
+constexpr double kLeastScale = 0.30;
+constexpr float kLevels = 64.0F;  // levels of a strip's standard deviation in the 16-bit sums
+
+/// Horizons tried, as convergences: denser where the horizon is near the picture's top, since there it
+/// matters most.
+constexpr std::array kConvergences = {-0.2, 0.0,  0.15, 0.3,  0.42, 0.54, 0.64, 0.72,
+                                      0.8,  0.88, 0.96, 1.06, 1.2,  1.4,  1.7,  2.1};
+
+constexpr double kSteepestTan = 1.75;  // rows up to 60 deg from vertical in a view straight down
+
+/// One strip as seen when every row has the spacing of the bottom one.
+struct Line {
+  double y = 0.0;
+  float weight = 1.0F;                          // px of the picture per bin, relative
+  int first = 0, last = -1;                     // bins inside the picture
+  std::array<std::int16_t, 3 * kBins> value{};  // zero outside
+};
+
+struct Rectified {
+  double convergence = 0.0, bin_px = 1.0, rows_times_spacing = 1.0;
+  std::vector<Line> lines;
+};
+
+Line rectified_line(const Strips& strips, std::size_t j, const PlanarField& field, double bin_px) {
+  const double v = static_cast<double>(strips.v[j]), scale = field.scale(v);
+  Line line;
+  line.y = field.t(v) / scale;
+  line.weight = static_cast<float>(scale);
+  // Bin i covers u0 + scale (i - 1.5 kBins +- 0.5) bin_px.
+  const double u_per_bin = scale * bin_px, u_of_zero = field.u0 - 1.5 * kBins * u_per_bin;
+  line.first = std::max(0, static_cast<int>(std::ceil(-u_of_zero / u_per_bin)));
+  line.last = std::min(static_cast<int>(3 * kBins) - 1,
+                       static_cast<int>(std::floor((strips.width - 1.0 - u_of_zero) / u_per_bin)));
+  const float* running = strips.running(j);
+  const float levels = kLevels * static_cast<float>(1.0 / bin_px), step = static_cast<float>(u_per_bin);
+  const auto sum_at = [&](float x) {
+    const float whole = std::floor(x);
+    const float* from = running + static_cast<int>(whole);
+    return from[0] + (x - whole) * (from[1] - from[0]);
+  };
+  float border = static_cast<float>(u_of_zero + (line.first - 0.5) * u_per_bin) + 0.5F,
+        before = sum_at(border);
+  for (int i = line.first; i <= line.last; ++i) {
+    border += step;
+    const float after = sum_at(border);
+    line.value[static_cast<std::size_t>(i)] = static_cast<std::int16_t>(levels * (after - before));
+    before = after;
+  }
+  return line;
+}
+
+Rectified rectify(const Strips& strips, double convergence) {
+  PlanarField field = anchored(strips);
+  field.convergence = convergence;
+  Rectified result;
+  result.convergence = convergence;
+  result.bin_px = strips.width * (1.0 + 1.2 * std::clamp(convergence, 0.0, 1.0)) / static_cast<double>(kBins);
+  double inverse = 0.0;
+  for (std::size_t j = 0; j < strips.count(); ++j) {
+    const double scale = field.scale(static_cast<double>(strips.v[j]));
+    if (scale < kLeastScale) continue;
+    result.lines.push_back(rectified_line(strips, j, field, result.bin_px));
+    inverse += 1.0 / scale;
+  }
+  result.rows_times_spacing =
+      strips.width * inverse / std::max(1.0, static_cast<double>(result.lines.size()));
+  return result;
+}
+
+/// Sum of all lines, each shifted by slope y + bend y^2.
+struct Aligned {
+  std::array<std::int16_t, kBins> sum;
+  std::array<float, kBins> weight;
+};
+
+void align(const Rectified& rectified, double slope, double bend, Aligned& out) {
+  out.sum.fill(0);
+  std::array<float, kBins + 1> steps{};
+  constexpr int bins = static_cast<int>(kBins);
+  for (const Line& line : rectified.lines) {
+    const double shift = line.y * (slope + line.y * bend) / rectified.bin_px;
+    const int offset = std::clamp(bins + static_cast<int>(std::lround(shift)), 0, 2 * bins);
+    const std::int16_t* value = line.value.data() + offset;
+    for (std::size_t i = 0; i < kBins; ++i) out.sum[i] = static_cast<std::int16_t>(out.sum[i] + value[i]);
+    steps[static_cast<std::size_t>(std::clamp(line.first - offset, 0, bins))] += line.weight;
+    steps[static_cast<std::size_t>(std::clamp(line.last + 1 - offset, 0, bins))] -= line.weight;
+  }
+  float weight = 0.0F;
+  for (std::size_t i = 0; i < kBins; ++i) out.weight[i] = weight += steps[i];
+}
+
+/// Variance that the columns of the aligned sum explain.
+float explained(const Aligned& aligned) {
+  std::array<float, 8> total{};
+  for (std::size_t i = 0; i < kBins; i += total.size()) {
+    for (std::size_t k = 0; k < total.size(); ++k) {
+      const float sum = static_cast<float>(aligned.sum[i + k]);
+      total[k] += sum * sum / (aligned.weight[i + k] + 1.0F);
+    }
+  }
+  float all = 0.0F;
+  for (const float part : total) all += part;
+  return all;
+}
+
+struct Sheared {
+  float score = 0.0F;
+  std::size_t rectified = 0;
+  double slope = 0.0, bend = 0.0;
+};
+
+/// The best few shears and bends of one rectification that differ.
+std::vector<Sheared> best_shears(const Strips& strips, const Rectified& rectified, std::size_t number) {
+  const double depth = std::max(std::abs(rectified.lines.front().y), std::abs(rectified.lines.back().y));
+  // Slopes: the vanishing point within a picture's width of its middle, or rows up to the steepest in a view
+  // straight down.
+  const double g = std::abs(rectified.convergence);
+  const double most = std::max(g * strips.width, kSteepestTan * strips.height * std::max(0.0, 1.0 - g));
+  const double step = 3.0 * rectified.bin_px / depth;  // the farthest strip moves by three bins
+  const int steps = static_cast<int>(std::ceil(most / step));
+  std::vector<Sheared> all;
+  Aligned aligned;
+  for (const double bend_bins : {-12.0, 0.0, 12.0}) {
+    const double bend = bend_bins * rectified.bin_px / (depth * depth);
+    for (int i = -steps; i <= steps; ++i) {
+      align(rectified, i * step, bend, aligned);
+      all.push_back({explained(aligned), number, i * step, bend});
+    }
+  }
+  std::sort(all.begin(), all.end(), [](const Sheared& a, const Sheared& b) { return a.score > b.score; });
+  constexpr std::size_t kKept = 4;
+  std::vector<Sheared> kept;
+  for (const Sheared& one : all) {
+    const bool is_near = std::any_of(kept.begin(), kept.end(), [&](const Sheared& other) {
+      return std::abs(other.slope - one.slope) < 2.5 * step && other.bend == one.bend;
+    });
+    if (!is_near) kept.push_back(one);
+    if (kept.size() >= kKept) break;
+  }
+  return kept;
+}
+
+constexpr std::size_t kPhases = 24;
+
+struct Folded {
+  double score = 0.0, offset = 0.0, tooth = 0.3;
+};
+
+/// Folds an aligned sum over one spacing; the phase and width of the tooth that explain most.
+Folded fold(const Aligned& aligned, double bin_px, double spacing) {
+  std::array<float, kPhases> sum{}, weight{};
+  const float step = static_cast<float>(bin_px / spacing * static_cast<double>(kPhases));
+  const float phases = static_cast<float>(kPhases);
+  float phase = std::fmod(-0.5F * static_cast<float>(kBins) * step, phases) + phases;
+  for (std::size_t i = 0; i < kBins; ++i) {
+    if (phase >= phases) phase -= phases;
+    if (phase >= phases) phase = std::fmod(phase, phases);
+    const auto bin = std::min(static_cast<std::size_t>(phase), kPhases - 1);
+    sum[bin] += static_cast<float>(aligned.sum[i]);
+    weight[bin] += aligned.weight[i];
+    phase += step;
+  }
+  std::array<float, 2 * kPhases + 1> sum_before{}, weight_before{};
+  for (std::size_t i = 0; i < 2 * kPhases; ++i) {
+    sum_before[i + 1] = sum_before[i] + sum[i % kPhases] / kLevels;
+    weight_before[i + 1] = weight_before[i] + weight[i % kPhases];
+  }
+  const float total_sum = sum_before[kPhases], total_weight = weight_before[kPhases];
+  Folded best;
+  float best_score = 0.0F;
+  for (const std::size_t width : {3, 5, 8, 12}) {
+    for (std::size_t first = 0; first < kPhases; ++first) {
+      const float in_sum = sum_before[first + width] - sum_before[first],
+                  in_weight = weight_before[first + width] - weight_before[first];
+      const float out_weight = total_weight - in_weight;
+      // Contrast c between tooth and rest explains c^2 in out / total; written without the divisions that
+      // cancel.
+      const float excess = in_sum * total_weight - total_sum * in_weight;
+      if (excess <= 0.0F || in_weight <= 0.0F || out_weight <= 0.0F) continue;
+      const float score = excess * excess / (in_weight * out_weight * total_weight);
+      if (score <= best_score) continue;
+      best_score = score;
+      best.offset = (static_cast<double>(first) + 0.5 * static_cast<double>(width)) /
+                    static_cast<double>(kPhases) * spacing;
+      best.tooth = static_cast<double>(width) / static_cast<double>(kPhases);
+    }
+  }
+  best.score = static_cast<double>(best_score);
+  return best;
+}
+
+/// The best few spacings for one shear.
+void fold_all(const Strips& strips, const Rectified& rectified, const Sheared& sheared,
+              std::vector<Trial>& trials) {
+  Aligned aligned;
+  align(rectified, sheared.slope, sheared.bend, aligned);
+  constexpr double kRatio =
+      1.03;  // successive spacings: eight rows from the middle that is a quarter of a spacing
+  const double least = std::max(6.0, 4.0 * rectified.bin_px), most = 0.75 * strips.width;
+  std::vector<Folded> folded;
+  std::vector<double> spacings;
+  for (double spacing = least; spacing <= most; spacing *= kRatio) {
+    spacings.push_back(spacing);
+    folded.push_back(fold(aligned, rectified.bin_px, spacing));
+    const double weight = evidence_part(rectified.rows_times_spacing / spacing);
+    folded.back().score *= weight * weight;  // a score of squares
+  }
+  std::vector<Trial> peaks;
+  for (std::size_t i = 0; i < folded.size(); ++i) {
+    const bool is_peak = folded[i].score > 0.0 && (i == 0 || folded[i].score >= folded[i - 1].score) &&
+                         (i + 1 == folded.size() || folded[i].score > folded[i + 1].score);
+    if (!is_peak) continue;
+    Trial trial;
+    trial.field = anchored(strips);
+    trial.field.convergence = rectified.convergence;
+    trial.field.slope = sheared.slope;
+    trial.field.bend = sheared.bend;
+    trial.field.spacing = spacings[i];
+    trial.field.offset = folded[i].offset;
+    trial.tooth = folded[i].tooth;
+    trial.score = folded[i].score;
+    peaks.push_back(trial);
+  }
+  std::sort(peaks.begin(), peaks.end(), [](const Trial& a, const Trial& b) { return a.score > b.score; });
+  constexpr std::size_t kKept = 3;
+  trials.insert(trials.end(), peaks.begin(),
+                peaks.begin() + static_cast<std::ptrdiff_t>(std::min(kKept, peaks.size())));
+}
+
+}  // namespace
+
+double evidence_part(double row_count) {
+  const double rows = std::max(1.0, row_count);
+  return (rows - 1.0) / rows;
+}
+
+PlanarField anchored(const Strips& strips) {
+  PlanarField field;
+  field.u0 = 0.5 * (strips.width - 1);
+  field.v0 = strips.height - 1.0;
+  field.length = strips.height;
+  return field;
+}
+
+std::vector<Trial> coarse_search(const Strips& strips) {
+  std::vector<Rectified> rectified;
+  std::vector<Sheared> sheared;
+  for (const double convergence : kConvergences) {
+    Rectified one = rectify(strips, convergence);
+    constexpr std::size_t kLeastLines = 5;  // fewer strips align to anything
+    if (one.lines.size() < kLeastLines) continue;
+    const auto best = best_shears(strips, one, rectified.size());
+    sheared.insert(sheared.end(), best.begin(), best.end());
+    rectified.push_back(std::move(one));
+  }
+  std::vector<Trial> trials;
+  for (const Sheared& one : sheared) fold_all(strips, rectified[one.rectified], one, trials);
+  std::sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.score > b.score; });
+  return trials;
+}
+
+}  // namespace furrow::rows

@@ -1,0 +1,59 @@
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include "furrow/rows/planar_field.h"
+#include "rows/green_map.h"
+
+namespace furrow::rows {
+
+/// Horizontal strips of a map, each a profile of greenness across it: local mean 0, variance 1, peaks
+/// limited.
+struct Strips {
+  int width = 0, height = 0;  ///< of the map, px
+  std::vector<float> v;       ///< middle of each strip
+  /// Running sums of the profiles, each with `width` entries of padding before and behind, so that intervals
+  /// that leave the picture need no test: running(j)[u] is the sum over [0, u) for -width <= u <= 2 width.
+  std::vector<float> sum;
+
+  std::size_t count() const { return v.size(); }
+  std::size_t stride() const { return 3 * static_cast<std::size_t>(width) + 1; }
+  const float* running(std::size_t strip) const { return sum.data() + strip * stride() + width; }
+};
+
+Strips make_strips(const GreenMap& map, int strip_height);
+
+/// Which rows and strips a score counts.
+struct Emphasis {
+  double least_scale = 0.05;  ///< strips whose spacing is below this part of the bottom one are left out
+  double centre_k = 0.0;      ///< rows count with weight 1 / (1 + ((k - centre_k) / reach)^2)
+  double reach = 1e9;
+};
+
+/// For every place of every strip: how much greener a row of that field would be there than what lies
+/// between, as a correlation. Made for one field's spacings; valid for fields whose spacings differ by a few
+/// percent.
+struct Response {
+  int width = 0;
+  std::vector<float> v;
+  std::vector<float> value;  ///< value[j * width + u]
+  std::vector<float> fade;   ///< per strip, 0 to 1: rows closer than a few map px cannot be told apart
+
+  /// Nothing outside the picture.
+  float at(std::size_t strip, float u) const {
+    if (!(u >= 0.0F) || u >= static_cast<float>(width - 1)) return 0.0F;
+    const int i = static_cast<int>(u);
+    const float* line = value.data() + strip * static_cast<std::size_t>(width) + i;
+    return line[0] + (u - static_cast<float>(i)) * (line[1] - line[0]);
+  }
+};
+
+Response respond(const Strips& strips, const PlanarField& field, double tooth);
+
+/// Mean over all strips of the mean response at the field's rows.
+double comb_score(const Response& response, const PlanarField& field, const Emphasis& emphasis);
+
+/// Mean number of rows that a strip below the horizon shows.
+double mean_row_count(const Strips& strips, const PlanarField& field);
+
+}  // namespace furrow::rows
