@@ -31,8 +31,7 @@ constexpr double kTransmitted = 0.45;                     // light through a lea
 constexpr double kExtinction_per_m = 4.0;                 // of the sun inside the canopy
 constexpr int kShadowSteps = 5;
 constexpr double kShadowEdge_m = 0.12;  // softness of a row's outline in its shadow
-constexpr double kFitLength_m = 24.0;   // row length on which the finest level's silhouette is measured
-constexpr double kLongestFit = 8.0;     // the coarsest levels' over it
+constexpr double kFitLength_m = 40.0;   // row length on which a silhouette is measured
 constexpr double kSunwards_m = 0.06;    // from a wall to its sunward side
 constexpr double kHiddenFrom = 0.25;    // depth from which a far wall is out of sight
 constexpr double kOpenReach = 4.0;      // sigmas to which open_above() is tabulated
@@ -87,15 +86,34 @@ std::array<Eigen::Vector2f, kLobedCorners> lobed_outline() {
   return outline;
 }
 
+/// Stretching leaves along the row leaves its cross-section as it is: the finest level whose fit serves this
+/// one too.
+int Canopy::alike(int level) {
+  if (level == 0) return 0;
+  const int widening = level / kStretches * kStretches;
+  for (int other = widening + 1; other < level; ++other) {
+    if (has_inner(other) == has_inner(level)) return other;
+  }
+  return level;
+}
+
+bool Canopy::has_inner(int level) {
+  return stretch_of(level) * widen_of(level) <= kCoarsestWithInner;
+}
+
 Canopy::Canopy(const Scene& scene, bool fitted) : scene_(scene) {
   for (int i = 0; i < kOpenNodes; ++i) {
     const double outside = kOpenReach * (2.0 * i / (kOpenNodes - 1) - 1.0);
     open_[static_cast<std::size_t>(i)] = std::exp(-scene.field.leaf_layers * normal_above(outside));
   }
   if (!fitted) return;
-  fits_[0] = fit_level(0);
-  base::parallel_for(kLevels - 1, 0,
-                     [this](std::size_t i) { fits_[i + 1] = fit_level(static_cast<int>(i) + 1); });
+  base::parallel_for(kLevels, 0, [this](std::size_t i) {
+    const int level = static_cast<int>(i);
+    if (alike(level) == level) fits_[i] = fit_level(level);
+  });
+  for (int level = 0; level < kLevels; ++level) {
+    fits_[static_cast<std::size_t>(level)] = fits_[static_cast<std::size_t>(alike(level))];
+  }
 }
 
 std::uint64_t Canopy::key(std::uint64_t salt, std::int64_t a, std::int64_t b) const {
@@ -271,7 +289,7 @@ Vector3f Canopy::light_leaf(const Surface& at, const Vector3d& leaf_normal, cons
 void Canopy::append_vines(const Piece& piece, const Fit& fit, std::vector<Leaf>& out) const {
   const Field& f = scene_.field;
   const double stretch = stretch_of(piece.level), widen = widen_of(piece.level);
-  const bool with_inner = stretch * widen <= kCoarsestWithInner;
+  const bool with_inner = has_inner(piece.level);
   const double wall = std::hypot(f.row_height_m - f.foliage_bottom_m, f.half_width_m - f.base_half_width_m);
   const double densest = 1.0 + 2.0 * f.density_variation;
   const double leaf_area = 0.25 * kPi * f.leaf_m * f.leaf_m;
@@ -415,16 +433,12 @@ void Canopy::append_piece(int row, int piece, int level, double direction_rad, i
 
 Canopy::Fit Canopy::fit_level(int level) const {
   const Field& f = scene_.field;
-  // Corn has one level: a plant is a plant.
-  if (f.crop == Crop::corn && level > 0) return fits_[0];
-  // Coarser leaves are fewer: a longer stretch holds as many.
-  const double length_m = kFitLength_m * std::min(stretch_of(level) * widen_of(level), kLongestFit);
   constexpr int kBeyond =
       3;  // pieces at both ends, so that long leaves cover the ends as they cover the middle
   Fit fit;
   for (int round = 0; round < kFitRounds; ++round) {
     std::vector<Leaf> leaves;
-    for (int piece = -kBeyond; piece < static_cast<int>(length_m / kPiece_m) + kBeyond; ++piece) {
+    for (int piece = -kBeyond; piece < static_cast<int>(kFitLength_m / kPiece_m) + kBeyond; ++piece) {
       if (f.crop == Crop::corn) {
         append_corn(kFitRow, piece, fit, true, 0.0, leaves);
       } else {
@@ -432,7 +446,7 @@ Canopy::Fit Canopy::fit_level(int level) const {
       }
     }
     for (Leaf& leaf : leaves) leaf.centre.y() -= static_cast<float>(kFitRow * f.spacing_m);
-    const Silhouette seen = measure_silhouette(leaves, length_m, f.half_width_m);
+    const Silhouette seen = measure_silhouette(leaves, kFitLength_m, f.half_width_m);
     fit.inset_m += seen.half_width_m - f.half_width_m;
     fit.drop_m += seen.top_m - f.row_height_m;
   }

@@ -109,6 +109,8 @@ class Canopy {
                              double part, base::Random& random) const;
   double open_above(double outside) const;
   Fit fit_level(int level) const;
+  static int alike(int level);
+  static bool has_inner(int level);
   bool plant_missing(int row, std::int64_t plant) const;
   std::uint64_t key(std::uint64_t salt, std::int64_t a, std::int64_t b = 0) const;
 
