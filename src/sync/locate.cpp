@@ -177,8 +177,24 @@ void fill_missing(Sample& state, const Sample& metadata) {
   if (!state.t_utc_ns) state.t_utc_ns = metadata.t_utc_ns;
 }
 
-Located place(const std::vector<Shot>& shots, const Track& track, const Times& times, std::string method,
-              std::vector<std::string> warnings) {
+/// The standard deviation of what is even over a step.
+double step_sigma_s(double step_s) {
+  return step_s / std::sqrt(12.0);
+}
+
+/// How well a mark in a row tells the moment: it came after the row before.
+double row_sigma_s(const Track& track, Nanoseconds t_log_ns) {
+  const auto row = std::lower_bound(track.samples.begin(), track.samples.end(), t_log_ns,
+                                    [](const Sample& sample, Nanoseconds t) { return sample.t_log_ns < t; });
+  if (row == track.samples.end() || row == track.samples.begin()) return telemetry::kMissing;
+  return step_sigma_s(base::ns_to_seconds(row->t_log_ns - (row - 1)->t_log_ns));
+}
+
+/// How the times were found, for their sigma.
+enum class Source { marks, utc, local };
+
+Located place(const std::vector<Shot>& shots, const Track& track, const Times& times, Source source,
+              std::string method, std::vector<std::string> warnings) {
   Located located{std::move(method), {}, std::move(warnings)};
   std::size_t gimbals_apart = 0;
   std::string first_apart;
@@ -190,6 +206,9 @@ Located place(const std::vector<Shot>& shots, const Track& track, const Times& t
     if (state) {
       pose.located = true;
       pose.state = *state;
+      pose.t_sigma_s = source == Source::marks ? row_sigma_s(track, *times[i])
+                       : source == Source::utc ? track.utc_sigma_s
+                                               : step_sigma_s(base::ns_to_seconds(kExifResolution_ns));
       if (std::abs(std::remainder(state->gimbal_pitch_deg - shots[i].metadata.gimbal_pitch_deg, 360.0)) >
               kGimbalSlack_deg &&
           gimbals_apart++ == 0)
@@ -210,7 +229,10 @@ Located place(const std::vector<Shot>& shots, const Track& track, const Times& t
 Located metadata_only(const std::vector<Shot>& shots, std::vector<std::string> warnings) {
   Located located{"picture metadata only", {}, std::move(warnings)};
   for (const Shot& shot : shots) {
-    ShotPose pose{shot.shot_id, has_gimbal(shot), "", shot.metadata};
+    ShotPose pose;
+    pose.shot_id = shot.shot_id;
+    pose.located = has_gimbal(shot);
+    pose.state = shot.metadata;
     if (!pose.located) pose.reason = "no log, and no gimbal pitch in the picture";
     located.poses.push_back(std::move(pose));
   }
@@ -233,23 +255,24 @@ Result<Located> locate_shots(const std::vector<Shot>& shots, const std::optional
   const auto utc = [](const Shot& shot) { return shot.metadata.t_utc_ns; };
   const Times by_utc = by_clock(shots, *track, &Sample::t_utc_ns, utc);
   if (count_shots(shots, has_utc) == shots.size() && any(by_utc))
-    return place(shots, *track, by_utc, "picture time", {});
+    return place(shots, *track, by_utc, Source::utc, "picture time", {});
   if (!marks.empty() && marks.size() == shots.size()) {
     std::vector<std::string> warnings;
     const Times times = by_count(shots, marks, warnings);
-    return place(shots, *track, times, "isPhoto marks", std::move(warnings));
+    return place(shots, *track, times, Source::marks, "isPhoto marks", std::move(warnings));
   }
   const std::string what = counts(shots, *track, marks.size());
   if (const auto times = by_pattern(shots, marks))
-    return place(shots, *track, *times, "isPhoto marks by time pattern",
+    return place(shots, *track, *times, Source::marks, "isPhoto marks by time pattern",
                  {what + ": the shots were put to the only marks with the same time differences"});
   if (any(by_utc))
-    return place(shots, *track, by_utc, "picture time", {what + ": only the shots with UTC have a place"});
+    return place(shots, *track, by_utc, Source::utc, "picture time",
+                 {what + ": only the shots with UTC have a place"});
   const Times by_local =
       by_clock(shots, *track, &Sample::t_local_ns, [](const Shot& shot) { return shot.t_camera_local_ns; });
   if (!shots.empty() && all(by_local))
     return place(
-        shots, *track, by_local, "picture local time",
+        shots, *track, by_local, Source::local, "picture local time",
         {what + ": placed by local time, which is good to a second and takes both clocks to be in one zone"});
   if (count_shots(shots, has_gimbal) > 0) return metadata_only(shots, {what + ": the log could not be used"});
   return Error{"shots_not_locatable", track->source, what,

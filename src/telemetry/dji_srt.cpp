@@ -271,6 +271,28 @@ std::optional<Reading> read_cue(std::string_view text) {
   return read_barometer(text);
 }
 
+/// A newer value than this ago is taken as held, not as still: the slowest field seen is renewed at 1.4 Hz.
+constexpr base::Nanoseconds kLongestHold_ns = base::kNanosecondsPerSecond;
+
+/// Cues come faster than the values in them (60 against 7 a second): between two changes less than
+/// kLongestHold_ns apart the value goes straight instead of standing and jumping.
+void bridge_holds(std::vector<Sample>& samples, double Sample::*field) {
+  for (std::size_t begin = 0; begin < samples.size();) {
+    const double held = samples[begin].*field;
+    std::size_t end = begin + 1;
+    while (end < samples.size() && samples[end].*field == held) ++end;
+    if (end < samples.size() && end - begin > 1) {
+      const base::Nanoseconds start_ns = samples[begin].t_log_ns, span_ns = samples[end].t_log_ns - start_ns;
+      const double step = samples[end].*field - held;
+      const bool bridges = std::isfinite(step) && span_ns > 0 && span_ns <= kLongestHold_ns;
+      for (std::size_t i = begin + 1; bridges && i < end; ++i)
+        samples[i].*field =
+            held + step * static_cast<double>(samples[i].t_log_ns - start_ns) / static_cast<double>(span_ns);
+    }
+    begin = end;
+  }
+}
+
 /// Why a file of cues holds no position, as far as its text tells.
 Error no_position(const std::string& name, const std::vector<Cue>& cues) {
   std::string reason = "none with a position or a height";
@@ -320,6 +342,9 @@ Result<Track> read_dji_srt(std::string_view text, const std::string& name) {
   if (track.variant == "C'")
     track.warnings.push_back("dialect C' is known from a hand-made sample only; check the first position");
   reader::finish(track, lines);
+  for (const auto field :
+       {&Sample::latitude_deg, &Sample::longitude_deg, &Sample::height_takeoff_m, &Sample::speed_mps})
+    bridge_holds(track.samples, field);
   return track;
 }
 

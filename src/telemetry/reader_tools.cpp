@@ -51,13 +51,16 @@ Result<std::optional<Column>> find_column(const base::CsvTable& table, std::stri
   for (std::size_t i = 0; i < table.columns.size(); ++i) {
     const auto unit = unit_in(table.columns[i], stem);
     if (!unit) continue;
-    if (quantity == Quantity::plain || unit->empty()) return std::optional(Column{i, 1.0});
-    const auto factor =
-        quantity == Quantity::length ? factor_of(kLengthUnits, *unit) : factor_of(kSpeedUnits, *unit);
+    const bool stated = quantity == Quantity::stated_length || quantity == Quantity::stated_speed;
+    if (quantity == Quantity::plain || (unit->empty() && !stated)) return std::optional(Column{i, 1.0});
+    const bool length = quantity == Quantity::length || quantity == Quantity::stated_length;
+    const auto factor = length ? factor_of(kLengthUnits, *unit) : factor_of(kSpeedUnits, *unit);
     if (!factor) {
-      const char* wanted = quantity == Quantity::length ? "feet, ft, meters or m" : "mph, m/s, km/h or knots";
-      return Error{"telemetry_unit_unknown", table.source,
-                   "column '" + table.columns[i] + "' has the unit '" + *unit + "'", wanted, ""};
+      const std::string found = "column '" + table.columns[i] + "' has " +
+                                (unit->empty() ? std::string("no unit") : "the unit '" + *unit + "'");
+      const char* wanted =
+          length ? "feet, ft, meters or m in brackets" : "mph, m/s, km/h or knots in brackets";
+      return Error{"telemetry_unit_unknown", table.source, found, wanted, ""};
     }
     return std::optional(Column{i, *factor});
   }

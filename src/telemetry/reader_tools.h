@@ -21,7 +21,9 @@ inline constexpr double kMpsPerKnot = 1852.0 / 3600.0;  // exact
 /// A log of more than a year is a damaged number, and would not fit nanoseconds much longer.
 inline constexpr double kLongestLog_ms = 366.0 * 86400.0 * 1000.0;
 
-enum class Quantity { length, speed, plain };
+/// What a column measures. The stated_ ones must carry their unit in the header; the others are SI without
+/// one.
+enum class Quantity { stated_length, stated_speed, length, speed, plain };
 
 /// A column of a table and what turns its cells into metres, metres per second, or what they are.
 struct Column {

@@ -67,6 +67,8 @@ TEST(LocateShots, ByAsManyMarks) {
   EXPECT_EQ(located->method, "isPhoto marks");
   EXPECT_TRUE(located->warnings.empty());
   EXPECT_NEAR(located->poses[2].state.height_takeoff_m, 30.0, 1e-9);
+  // The mark came somewhere in the 0.1 s since the row before.
+  EXPECT_NEAR(located->poses[2].t_sigma_s, 0.1 / std::sqrt(12.0), 1e-12);
 }
 
 TEST(LocateShots, AsManyMarksButOtherTimesWarn) {

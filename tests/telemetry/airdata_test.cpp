@@ -95,6 +95,12 @@ TEST(AirData, UnitsComeFromTheHeader) {
   ASSERT_FALSE(yards.ok());
   EXPECT_EQ(yards.error().code, "telemetry_unit_unknown");
   EXPECT_NE(yards.error().found.find("yards"), std::string::npos);
+  std::string bare_text = log_text(rows);
+  bare_text.replace(bare_text.find("height_sonar(feet)"), 18, "height_sonar");
+  const auto bare = read_airdata(bare_text, "bare.csv");
+  ASSERT_FALSE(bare.ok()) << "a unit is never assumed";
+  EXPECT_EQ(bare.error().code, "telemetry_unit_unknown");
+  EXPECT_NE(bare.error().found.find("height_sonar"), std::string::npos);
 }
 
 // Ten rows a second, each with a datetime cut to the second: the constant must come out to a row's step,

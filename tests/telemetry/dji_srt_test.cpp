@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 
 #include "furrow/telemetry/formats.h"
 #include "samples.h"
@@ -126,6 +127,29 @@ TEST(DjiSrt, CuesAreCutAtTimeCodesNotAtBlankLines) {
     EXPECT_NEAR(s.height_takeoff_m, 20.16, 1e-9);
     EXPECT_NEAR(s.latitude_deg, 45.1, 1e-9);
   }
+}
+
+// 50 cues a second, a new value every 0.2 s, then a hover of 4 s: the climb is straight at every cue, the
+// hover stays level.
+TEST(DjiSrt, ValuesHeldOverCuesAreBridged) {
+  std::string text;
+  const auto cue = [&](int i, double height_m) {
+    char line[200];
+    std::snprintf(line, sizeof line,
+                  "%d\n00:00:%02d,%03d --> 00:00:%02d,%03d\n[latitude: 45.1] [longitude: 7.2] [rel_alt: %.3f "
+                  "abs_alt: 0.0]\n\n",
+                  i + 1, i / 50, i % 50 * 20, i / 50, i % 50 * 20 + 20, height_m);
+    text += line;
+  };
+  for (int i = 0; i < 100; ++i) cue(i, 10.0 + 0.1 * (i / 10));
+  for (int i = 100; i < 300; ++i) cue(i, 11.0);
+  cue(300, 12.0);
+  const auto track = parse_track(text, "clip.SRT");
+  ASSERT_TRUE(track.ok()) << track.error().message();
+  ASSERT_EQ(track->samples.size(), 301u);
+  for (std::size_t i = 0; i < 100; ++i)
+    EXPECT_NEAR(track->samples[i].height_takeoff_m, 10.0 + 0.01 * static_cast<double>(i), 1e-9) << i;
+  for (std::size_t i = 100; i < 300; ++i) EXPECT_NEAR(track->samples[i].height_takeoff_m, 11.0, 1e-9) << i;
 }
 
 TEST(DjiSrt, FilesWithoutPositionAreRefusedWithAReason) {

@@ -13,13 +13,19 @@ struct ShotPose {
   std::string shot_id;
   bool located = false;
   std::string reason;  ///< when not located
-  telemetry::Sample
-      state;  ///< interpolated between log rows; from the picture's metadata where there is no log
+  /// Interpolated between log rows; from the picture's metadata where there is no log, and where the log says
+  /// nothing.
+  telemetry::Sample state;
+  /// One sigma of the moment in the log, from the steps of marks and clocks alone; NaN when not placed in a
+  /// log. A constant lag of the marks behind the shutter is not in it.
+  double t_sigma_s = telemetry::kMissing;
 };
 
 /// How the shots were found in the log.
 struct Located {
-  std::string method;           ///< "picture time", "isPhoto marks", "picture metadata only"
+  /// "picture time", "isPhoto marks", "isPhoto marks by time pattern", "picture local time" or
+  /// "picture metadata only"; docs/telemetry.md says when each is used.
+  std::string method;
   std::vector<ShotPose> poses;  ///< one per shot, same order
   std::vector<std::string> warnings;
 };
