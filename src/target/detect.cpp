@@ -76,6 +76,19 @@ Coarse coarse_copy(const Image& grey, int longest_px) {
           static_cast<double>(grey.height) / height};
 }
 
+/// A hint from a lattice of another size: squares counted as corners, or a board partly out of the picture.
+std::string what_was_seen(const Found& seen, const BoardSpec& board) {
+  // Smaller lattices are as likely to be tiles, windows or keys.
+  constexpr int kFewestToName = 9;
+  if (seen.columns * seen.rows < kFewestToName) return "";
+  const int longer = std::max(board.corners_x, board.corners_y),
+            shorter = std::min(board.corners_x, board.corners_y);
+  const std::string size = size_name(seen.columns, seen.rows);
+  if (seen.complete && (seen.columns > longer || seen.rows > shorter))
+    return "; a grid of " + size + " corners shows";
+  return "; a part of " + size + " corners shows";
+}
+
 /// Reasons that need all files at once: copies, and sizes that differ from most.
 void name_copies_and_strays(std::vector<BoardDetection>& all) {
   std::map<std::string, std::string> first_with;
@@ -141,11 +154,14 @@ BoardDetection detect_board(const Image& picture, const BoardSpec& board, const 
   if (picture.empty() || std::min(picture.width, picture.height) < 2 * kSmallestSquarePx) return out;
   const Image grey = image::to_grey(picture);
   const Coarse coarse = coarse_copy(grey, std::max(64, options.coarse_side_px));
-  const std::optional<Grid> seen = find_grid(coarse.grey, board.corners_x, board.corners_y);
-  if (!seen) return out;
+  const Found seen = find_grid(coarse.grey, board.corners_x, board.corners_y);
+  if (seen.grid.px.empty()) {
+    out.reason += what_was_seen(seen, board);
+    return out;
+  }
   // First where it was found, then in the whole picture: a window of the right size must start within its
   // reach.
-  Refined refined = refine(*seen, coarse.grey, 1.0);
+  Refined refined = refine(seen.grid, coarse.grey, 1.0);
   if (refined.fault.empty())
     refined = refine(scaled(refined.grid, coarse.su, coarse.sv), grey, noise_grey(grey));
   const Grid grid = oriented(refined.grid, board.corners_x, board.corners_y, grey);

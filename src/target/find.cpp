@@ -1,20 +1,91 @@
 #include "target/find.h"
 
-#include <opencv2/calib3d.hpp>
+#include <algorithm>
+#include <vector>
+
+#include "target/lattice.h"
 
 namespace furrow::target {
+namespace {
 
-std::optional<Grid> find_grid(const Image& grey, int columns, int rows) {
-  const cv::Mat picture(grey.height, grey.width, CV_8U, const_cast<std::uint8_t*>(grey.data.data()));
-  std::vector<cv::Point2f> corners;
-  const cv::Size size(columns, rows);
-  bool found = cv::findChessboardCorners(picture, size, corners,
-                                         cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE);
-  if (!found) found = cv::findChessboardCornersSB(picture, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE);
-  if (!found) return std::nullopt;
-  Grid grid{columns, rows, {}};
-  for (const cv::Point2f& p : corners) grid.px.emplace_back(p.x, p.y);
+/// Longest side at which the search starts, px: most boards are seen there, fast. Then finer (small squares),
+/// then coarser (blur).
+constexpr int kFirstSidePx = 640;
+/// Below this a board's squares have no room for four edges.
+constexpr int kSmallestSidePx = 80;
+
+Grid to_grid(const Lattice& lattice) {
+  const Extent e = extent(lattice);
+  Grid grid{e.columns, e.rows, {}};
+  for (int j = 0; j < e.rows; ++j) {
+    for (int i = 0; i < e.columns; ++i) grid.px.push_back(lattice.at({e.i0 + i, e.j0 + j}));
+  }
   return grid;
+}
+
+bool is_full(const Lattice& lattice) {
+  const Extent e = extent(lattice);
+  return lattice.size() == static_cast<std::size_t>(e.columns) * static_cast<std::size_t>(e.rows);
+}
+
+bool has_counts(const Extent& e, int columns, int rows) {
+  return (e.columns == columns && e.rows == rows) || (e.columns == rows && e.rows == columns);
+}
+
+/// Search at one size of the picture.
+Found find_at_scale(const Image& grey, int columns, int rows) {
+  const SmoothGrey smoothed = smooth(grey);
+  const std::vector<Saddle> saddles = find_saddles(smoothed);
+  Found out;
+  // Lattices of fewer corners than a quarter of the board are clutter.
+  const std::size_t fewest = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows) / 4;
+  for (const Lattice& seen : join_seeds(smoothed, find_corner_seeds(smoothed, saddles))) {
+    if (seen.size() < fewest) break;
+    const Lattice lattice = completed(seen, saddles, columns, rows);
+    const Extent e = extent(lattice);
+    const bool full = is_full(lattice);
+    if (full && has_counts(e, columns, rows)) {
+      out.grid = to_grid(lattice);
+      return out;
+    }
+    if (e.columns * e.rows > out.columns * out.rows) {
+      out.columns = std::max(e.columns, e.rows);
+      out.rows = std::min(e.columns, e.rows);
+      out.complete = full;
+    }
+  }
+  return out;
+}
+
+/// Copies of the picture, in the order in which they are searched.
+std::vector<double> scales(const Image& grey) {
+  const int longest = std::max(grey.width, grey.height);
+  const double first = longest > kFirstSidePx ? static_cast<double>(kFirstSidePx) / longest : 1.0;
+  std::vector<double> out{first};
+  if (first < 1.0) out.push_back(1.0);
+  out.push_back(0.5 * first);
+  out.push_back(0.25 * first);
+  return out;
+}
+
+}  // namespace
+
+Found find_grid(const Image& grey, int columns, int rows) {
+  Found best;
+  for (const double scale : scales(grey)) {
+    const int width = static_cast<int>(std::lround(grey.width * scale)),
+              height = static_cast<int>(std::lround(grey.height * scale));
+    if (std::max(width, height) < kSmallestSidePx || std::min(width, height) < 1) continue;
+    Found found = find_at_scale(scale < 1.0 ? image::resize(grey, width, height) : grey, columns, rows);
+    if (!found.grid.px.empty()) {
+      const double su = static_cast<double>(grey.width) / width,
+                   sv = static_cast<double>(grey.height) / height;
+      for (Eigen::Vector2d& p : found.grid.px) p = {(p.x() + 0.5) * su - 0.5, (p.y() + 0.5) * sv - 0.5};
+      return found;
+    }
+    if (found.columns * found.rows > best.columns * best.rows) best = found;
+  }
+  return best;
 }
 
 }  // namespace furrow::target

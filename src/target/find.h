@@ -1,12 +1,20 @@
 #pragma once
-#include <optional>
+#include <string>
 
 #include "target/grid.h"
 
 namespace furrow::target {
 
-/// A grid of columns x rows corners, good to a pixel or two, in no particular orientation; nothing when none
-/// is seen.
-std::optional<Grid> find_grid(const Image& grey, int columns, int rows);
+/// What a search saw: a grid good to a pixel or two, in no particular orientation, or how much of one.
+struct Found {
+  Grid grid;                  ///< empty when none of the wanted size is there
+  int columns = 0, rows = 0;  ///< the largest lattice seen, longer side first
+  bool complete = false;      ///< whether every corner of that lattice is there
+};
+
+/// Looks for columns x rows corners: saddles of brightness with four edges, joined along their edges into
+/// lattices (docs/formulation/ calibration.md). The work is bounded by the picture's size and a fixed count
+/// of saddles.
+Found find_grid(const Image& grey, int columns, int rows);
 
 }  // namespace furrow::target
