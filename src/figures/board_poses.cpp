@@ -319,6 +319,7 @@ Result<Figure> board_poses(const calib::Calibration& calibration, const FigureOp
   if (boards.empty()) return nothing_to_draw(name, "a calibration without a used view", "at least one");
 
   constexpr double kMostRoomMm = 95.0, kScalesPt = 42.0, kFootPt = 22.0, kBarMm = 60.0;
+  constexpr double kCameraShare = 0.1;  // of the farthest board: a sketch, not the real size
   FURROW_TRY(Drawing drawing, paper(options, kMostRoomMm));
   const Room room = room_around(boards, options.width_mm);
   View3 view = standard_view();
@@ -332,7 +333,7 @@ Result<Figure> board_poses(const calib::Calibration& calibration, const FigureOp
   draw_room(drawing, view, room);
   draw_scales(drawing, view, room);
   draw_boards(drawing, view, room, boards, scale);
-  draw_camera(drawing, view, calibration.camera, 0.8 * room.step_m, room.high.z());
+  draw_camera(drawing, view, calibration.camera, kCameraShare * room.high.z(), room.high.z());
   const std::size_t numbered = draw_numbers(drawing, view, boards);
   const double bar_top = top + room_height + kFootPt, bar_width = kBarMm * kPointsPerMm;
   const double bar_height =

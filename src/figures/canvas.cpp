@@ -22,6 +22,7 @@
 #include <filesystem>
 #include <mutex>
 #include <sstream>
+#include <string_view>
 
 #include "figures/font.h"
 #include "figures/gl_window.h"
@@ -311,6 +312,29 @@ std::string svg_picture(const Picture& picture, const Image& fitted) {
          base::base64(image::encode_image(fitted, extension, kJpegQuality)) + "\"/>\n";
 }
 
+/// Coordinates with one decimal: a tenth of a unit is 0.002 mm on paper, and VTK writes four times as much.
+std::string with_short_coordinates(const std::string& svg) {
+  std::string out;
+  out.reserve(svg.size());
+  std::size_t from = 0;
+  while (from < svg.size()) {
+    std::size_t start = std::min(svg.find(" d=\"", from), svg.find(" points=\"", from));
+    if (start == std::string::npos) break;
+    start = svg.find('"', start) + 1;
+    const std::size_t end = std::min(svg.find('"', start), svg.size());
+    out.append(svg, from, start - from);
+    int decimals = -1;  // -1: before the point
+    for (std::size_t i = start; i < end; ++i) {
+      const char c = svg[i];
+      const bool digit = c >= '0' && c <= '9';
+      decimals = c == '.' ? 0 : digit && decimals >= 0 ? decimals + 1 : -1;
+      if (decimals <= 1) out += c;
+    }
+    from = end;
+  }
+  return out.append(svg, from);
+}
+
 /// VTK's SVG device asks its window for size and resolution only: no OpenGL takes part.
 std::string vector_items(const Drawing& drawing) {
   const double width = drawing.width_pt * kSvgUnitsPerPt, height = drawing.height_pt * kSvgUnitsPerPt;
@@ -339,7 +363,7 @@ std::string vector_items(const Drawing& drawing) {
   device->End();
   std::ostringstream text;
   page->PrintXML(text, vtkIndent());
-  return text.str();
+  return with_short_coordinates(text.str());
 }
 
 std::string paint_svg(const Drawing& drawing, const std::vector<Image>& pictures, const std::string& title,
@@ -356,6 +380,38 @@ std::string paint_svg(const Drawing& drawing, const std::vector<Image>& pictures
       "</desc>\n<rect width=\"" + width + "\" height=\"" + height + "\" fill=\"#ffffff\"/>\n";
   for (std::size_t i = 0; i < pictures.size(); ++i) svg += svg_picture(drawing.pictures[i], pictures[i]);
   return svg + vector_items(drawing) + "</svg>\n";
+}
+
+void append_big_endian(std::string& out, std::uint32_t value) {
+  for (int shift = 24; shift >= 0; shift -= 8)
+    out += static_cast<char>(static_cast<unsigned char>(value >> shift));
+}
+
+/// CRC-32 of a PNG chunk (PNG specification, annex D).
+std::uint32_t crc32(std::string_view bytes) {
+  std::uint32_t crc = 0xFFFFFFFFu;
+  for (const char c : bytes) {
+    crc ^= static_cast<unsigned char>(c);
+    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ ((crc & 1u) != 0u ? 0xEDB88320u : 0u);
+  }
+  return ~crc;
+}
+
+/// The PNG with its resolution in it, so that it is placed at its size on paper.
+std::string with_resolution(const std::string& png, double dpi) {
+  constexpr std::size_t kHeaderEnd = 8 + 25;  // signature and the IHDR chunk, which is always first
+  constexpr double kInchesPerMetre = 1000.0 / kMmPerInch;
+  if (png.size() < kHeaderEnd) return png;
+  const auto dots_per_metre = static_cast<std::uint32_t>(std::lround(dpi * kInchesPerMetre));
+  std::string body = "pHYs";
+  append_big_endian(body, dots_per_metre);
+  append_big_endian(body, dots_per_metre);
+  body += '\1';  // per metre
+  std::string chunk;
+  append_big_endian(chunk, static_cast<std::uint32_t>(body.size() - 4));
+  chunk += body;
+  append_big_endian(chunk, crc32(body));
+  return png.substr(0, kHeaderEnd) + chunk + png.substr(kHeaderEnd);
 }
 
 Status check_font() {
@@ -386,7 +442,7 @@ Result<Rendered> render(const Drawing& drawing, double dpi, const std::string& t
   const std::scoped_lock lock(vtk_mutex());
   const std::vector<Image> pictures = fitted_pictures(drawing, px_per_pt);
   FURROW_TRY(const Image pixels, paint_pixels(drawing, px_per_pt, made.width_px, made.height_px, pictures));
-  made.png = image::encode_image(pixels, ".png");
+  made.png = with_resolution(image::encode_image(pixels, ".png"), dpi);
   made.svg = paint_svg(drawing, pictures, title, description);
   return made;
 }

@@ -107,7 +107,8 @@ Histogram histogram(const std::vector<double>& errors) {
   return made;
 }
 
-/// Expected counts of the Gaussian with the same mean and standard deviation.
+/// Expected counts of the Gaussian with the same mean and standard deviation; without points when there is
+/// none.
 Series gaussian(const Histogram& bins, const stats::Agreement& agreement, const Axis& x) {
   Series curve;
   curve.name = "Gaussian of the same mean and sd";

@@ -227,6 +227,10 @@ TEST(Canvas, InkLandsWhereTheDrawingSays) {
   expect(30, 31, kGreen);
   expect(30, 27, kWhite);
   expect(30, 32, kWhite);
+  // 72 dots per inch are 2835 (0x0b13) per metre, just behind the header; its CRC was computed with Python's
+  // zlib.
+  EXPECT_EQ(made->png.substr(33, 21),
+            std::string("\0\0\0\x09pHYs\0\0\x0b\x13\0\0\x0b\x13\x01\0\x9a\x9c\x18", 21));
   // The same rectangle in the SVG, 20 units to the point.
   EXPECT_NE(made->svg.find("viewBox=\"0 0 1200 800\""), std::string::npos);
   EXPECT_NE(made->svg.find("200,100"), std::string::npos);
