@@ -2,11 +2,20 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <filesystem>
+
 #include "furrow/base/file.h"
 #include "report/sample_page.h"
 
 namespace furrow::report {
 namespace {
+
+/// Painted once: most of a page's time goes into its figures.
+const Page& sample() {
+  static const Page page = samples::page();
+  return page;
+}
 
 std::size_t count(const std::string& text, const std::string& part) {
   std::size_t n = 0;
@@ -19,7 +28,7 @@ bool holds(const std::string& text, const std::string& part) {
 }
 
 TEST(Page, AnswerFirstThenSectionsThenProvenance) {
-  const std::string html = to_html(samples::page());
+  const std::string html = to_html(sample());
   const auto summary = html.find("A height above the canopy for 43"),
              failed = html.find("Log against pictures"), camera = html.find("<h2 id=\"section-1\">Camera"),
              heights = html.find("<h2 id=\"section-2\">Heights"),
@@ -36,18 +45,24 @@ TEST(Page, AnswerFirstThenSectionsThenProvenance) {
 }
 
 TEST(Page, StandsAlone) {
-  const std::string html = to_html(samples::page());
+  const std::string html = to_html(sample());
   for (const char* foreign : {"<script", "http://", "https://", "@import", "url(", "onload", "file:"}) {
     EXPECT_FALSE(holds(html, foreign)) << foreign;
   }
   EXPECT_EQ(count(html, "<img src=\"data:image/"), count(html, "<figure"));
   EXPECT_EQ(count(html, "<img "), count(html, "alt=\""));
-  EXPECT_EQ(count(html, "<th scope=\"col\""),
-            4u + samples::page().sections[1].tables[1].cells.columns.size());
+  EXPECT_EQ(count(html, "<th scope=\"col\""), 4u + sample().sections[1].tables[1].cells.columns.size());
+}
+
+/// With FURROW_FIGURES_OUT set, the page is left there to be looked at.
+TEST(Page, CanBeKept) {
+  const char* folder = std::getenv("FURROW_FIGURES_OUT");
+  if (folder == nullptr) GTEST_SKIP() << "set FURROW_FIGURES_OUT to a folder to keep report.html";
+  EXPECT_TRUE(base::write_file(std::filesystem::path(folder) / "report.html", to_html(sample())).ok());
 }
 
 TEST(Page, SamePageSameBytes) {
-  EXPECT_EQ(to_html(samples::page()), to_html(samples::page()));
+  EXPECT_EQ(to_html(sample()), to_html(samples::page()));
 }
 
 TEST(Page, HostileTextStaysText) {
@@ -88,8 +103,6 @@ TEST(Page, VerdictsDifferByWordAndShape) {
   page.sections = {section};
   const std::string html = to_html(page);
   for (const char* word : {">Pass<", ">Fail<", ">Not assessed<"}) {
-    const auto before = html.find(word);
-    (void)before;
     EXPECT_TRUE(holds(html, std::string("</svg>") + (word + 1))) << word;
   }
   EXPECT_TRUE(holds(html, "<circle cx=\"8\" cy=\"8\" r=\"7.5\"")) << "a disc with a tick";
@@ -117,7 +130,7 @@ TEST(Page, NumbersStandRightAlignedAndWordsDoNot) {
 }
 
 TEST(Page, LongTablesAreCollapsedAndSayHowLong) {
-  const std::string html = to_html(samples::page());
+  const std::string html = to_html(sample());
   EXPECT_TRUE(holds(html, "<details>\n<summary>All shots (48 rows)</summary>"));
   EXPECT_EQ(count(html, "<details>"), count(html, "</details>"));
 }
