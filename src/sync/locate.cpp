@@ -118,19 +118,25 @@ std::vector<std::size_t> follow_pattern(const std::vector<Nanoseconds>& local,
 }
 
 /// Log times of the shots when exactly one choice among the marks has the pattern of the pictures' own times.
+/// Pictures without a time (unreadable ones) stay without a place as long as most have one.
 std::optional<Times> by_pattern(const std::vector<Shot>& shots, const std::vector<Nanoseconds>& marks) {
   constexpr std::size_t kFewest = 3;  // two shots are one difference: any two marks so far apart would do
-  if (shots.size() < kFewest || shots.size() > marks.size() || count_shots(shots, has_local) != shots.size())
+  std::vector<std::size_t> timed;
+  for (std::size_t i = 0; i < shots.size(); ++i)
+    if (has_local(shots[i])) timed.push_back(i);
+  if (timed.size() < kFewest || 2 * timed.size() <= shots.size() || timed.size() > marks.size())
     return std::nullopt;
-  const auto order = time_order(shots);
+  std::stable_sort(timed.begin(), timed.end(), [&](std::size_t a, std::size_t b) {
+    return *shots[a].t_camera_local_ns < *shots[b].t_camera_local_ns;
+  });
   std::vector<Nanoseconds> local;
-  for (const std::size_t i : order) local.push_back(*shots[i].t_camera_local_ns);
+  for (const std::size_t i : timed) local.push_back(*shots[i].t_camera_local_ns);
   std::set<std::vector<std::size_t>> choices;
-  for (std::size_t first = 0; first + shots.size() <= marks.size(); ++first)
+  for (std::size_t first = 0; first + timed.size() <= marks.size(); ++first)
     if (auto chosen = follow_pattern(local, marks, first); !chosen.empty()) choices.insert(std::move(chosen));
   if (choices.size() != 1) return std::nullopt;
   Times times(shots.size());
-  for (std::size_t i = 0; i < order.size(); ++i) times[order[i]] = marks[(*choices.begin())[i]];
+  for (std::size_t i = 0; i < timed.size(); ++i) times[timed[i]] = marks[(*choices.begin())[i]];
   return times;
 }
 

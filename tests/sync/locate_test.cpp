@@ -100,6 +100,15 @@ TEST(LocateShots, ASubsetOfMarksByTheirPattern) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(located->poses[i].state.height_takeoff_m, truth[i], 1e-6);
 }
 
+TEST(LocateShots, AnUnreadablePictureDoesNotSpoilThePattern) {
+  auto shots = make_shots({9.3, 41.2, 50, 77, 120}, true);
+  shots[2].t_camera_local_ns.reset();
+  const auto located = locate_shots(shots, make_track({5, 9.3, 30, 41.2, 77, 80, 120}));
+  ASSERT_TRUE(located.ok()) << located.error().message();
+  EXPECT_FALSE(located->poses[2].located);
+  EXPECT_NEAR(located->poses[3].state.height_takeoff_m, 77.0, 1e-6);
+}
+
 // A picture every 2 s: three of them fit anywhere, so nothing may be claimed.
 TEST(LocateShots, ARegularPatternIsAmbiguous) {
   const auto located = locate_shots(make_shots({10, 12, 14}, true), make_track({8, 10, 12, 14, 16}));
