@@ -1,0 +1,281 @@
+#include "rows/row_shape.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "furrow/stats/robust.h"
+
+namespace furrow::rows {
+namespace {
+
+constexpr std::size_t kBins = 192;  // of a profile across a row
+constexpr double kReach = 0.75;     // of a profile to each side, spacings: past the middle of the alley
+constexpr double kBinWidth = 2.0 * kReach / static_cast<double>(kBins);
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+/// Half the window along the row, in samples, over which levels and the smooth edges are taken: parallel
+/// edges keep their place in spacings along a row, in any perspective, so averaging there does not blur them.
+constexpr int kWindow = 8;
+
+/// Least contrast of excess green between row and alley: a leaf has 0.2 to 0.6, the noise of soil about 0.02.
+constexpr float kLeastContrast = 0.03F;
+
+/// How far rows stray from the common model, and how well the middle of the green tells a row's middle, both
+/// one-sigma in spacings (train pictures of CRBD, development half).
+constexpr double kOwnSpread = 0.02, kMiddleSigma = 0.02;
+
+double x_of(double bin) {
+  return (bin + 0.5) * kBinWidth - kReach;
+}
+double bin_of(double x) {
+  return (x + kReach) / kBinWidth - 0.5;
+}
+
+using Profile =
+    std::array<float, kBins>;  // greenness by distance from the row's model centre; NaN outside the picture
+
+float green_at(const GreenMap& map, int row, double u) {
+  if (u < 0.0 || u > map.width - 1.0) return kNone;
+  const int i = std::min(static_cast<int>(u), map.width - 2);
+  const float part = static_cast<float>(u - i);
+  const float* line = map.row(row);
+  return line[i] + part * (line[i + 1] - line[i]);
+}
+
+/// Mean profile over the map's rows that belong to one sample.
+Profile sample_profile(const GreenMap& map, const CommonModel& model, int k, double v_from, double v_to) {
+  Profile sum{};
+  std::array<int, kBins> count{};
+  const int first =
+      std::clamp(static_cast<int>(std::ceil((v_from + 0.5) / map.scale_v - 0.5)), 0, map.height - 1);
+  const int last =
+      std::clamp(static_cast<int>(std::floor((v_to + 0.5) / map.scale_v - 0.5)), first, map.height - 1);
+  const int step = last - first >= 5 ? 2 : 1;  // neighbouring rows of a fine map tell the same
+  for (int row = first; row <= last; row += step) {
+    const double v = map.v_in_picture(row);
+    if (model.field().scale(v) <= 0.02) continue;
+    const Cut cut = model.at(v);
+    const double u0 = (cut.centre + k * cut.spacing + 0.5) / map.scale_u - 0.5,
+                 per_x = cut.spacing / map.scale_u;
+    for (std::size_t i = 0; i < kBins; ++i) {
+      const float value = green_at(map, row, u0 + x_of(static_cast<double>(i)) * per_x);
+      if (std::isnan(value)) continue;
+      sum[i] += value;
+      ++count[i];
+    }
+  }
+  for (std::size_t i = 0; i < kBins; ++i)
+    sum[i] = count[i] > 0 ? sum[i] / static_cast<float>(count[i]) : kNone;
+  return sum;
+}
+
+Profile window_mean(const std::vector<Profile>& profiles, std::size_t at) {
+  Profile mean{};
+  std::array<int, kBins> count{};
+  const std::size_t from = at > kWindow ? at - kWindow : 0, to = std::min(profiles.size(), at + kWindow + 1);
+  for (std::size_t j = from; j < to; ++j) {
+    for (std::size_t i = 0; i < kBins; ++i) {
+      if (std::isnan(profiles[j][i])) continue;
+      mean[i] += profiles[j][i];
+      ++count[i];
+    }
+  }
+  for (std::size_t i = 0; i < kBins; ++i)
+    mean[i] = count[i] > 0 ? mean[i] / static_cast<float>(count[i]) : kNone;
+  return mean;
+}
+
+/// Mean of the lower (or upper) half of the values in an interval of x.
+std::optional<float> half_mean(const Profile& profile, double x_from, double x_to, bool lower) {
+  std::vector<float> values;
+  const auto first = static_cast<std::size_t>(std::clamp(std::ceil(bin_of(x_from)), 0.0, kBins - 1.0));
+  const auto last = static_cast<std::size_t>(std::clamp(std::floor(bin_of(x_to)), 0.0, kBins - 1.0));
+  for (std::size_t i = first; i <= last; ++i)
+    if (!std::isnan(profile[i])) values.push_back(profile[i]);
+  if (values.size() < 2 || 2 * values.size() < last - first + 1) return std::nullopt;
+  std::sort(values.begin(), values.end());
+  if (!lower) std::reverse(values.begin(), values.end());
+  values.resize((values.size() + 1) / 2);
+  float sum = 0.0F;
+  for (const float value : values) sum += value;
+  return sum / static_cast<float>(values.size());
+}
+
+struct Levels {
+  float row = kNone;
+  std::array<float, 2> middle = {
+      kNone, kNone};  // half way between row and alley, left and right; NaN: that side is not seen
+};
+
+Levels levels_of(const Profile& profile) {
+  // The middle of the alley, where two rows meet last; and the core of the row, thin rows too.
+  constexpr double kAlleyFrom = 0.38, kAlleyTo = 0.62, kCore = 0.06;
+  Levels levels;
+  const auto row = half_mean(profile, -kCore, kCore, false);
+  if (!row) return levels;
+  levels.row = *row;
+  const std::array alley = {half_mean(profile, -kAlleyTo, -kAlleyFrom, true),
+                            half_mean(profile, kAlleyFrom, kAlleyTo, true)};
+  for (std::size_t side = 0; side < 2; ++side) {
+    // A side without a visible alley borrows nothing: its edge stays unknown.
+    if (!alley[side] || levels.row - *alley[side] < kLeastContrast) continue;
+    levels.middle[side] = 0.5F * (levels.row + *alley[side]);
+  }
+  return levels;
+}
+
+/// Distance of an edge from the model's centre, spacings, positive outwards: the most likely place of a step
+/// between two known levels is where the running sum of (value - middle level) from the centre outwards is
+/// greatest. Sub-bin by the crossing next to it.
+std::optional<double> edge_of(const Profile& profile, int side, float middle) {
+  if (std::isnan(middle)) return std::nullopt;
+  constexpr double kFarthest = 0.62;  // spacings
+  const int direction = side == 0 ? -1 : 1;
+  const int start = direction > 0 ? static_cast<int>(kBins) / 2 : static_cast<int>(kBins) / 2 - 1;
+  const int steps = static_cast<int>(kFarthest / kBinWidth);
+  float sum = 0.0F, best = 0.0F;
+  int last_inside = -1;
+  for (int i = 0; i < steps; ++i) {
+    const float value = profile[static_cast<std::size_t>(start + direction * i)];
+    if (std::isnan(value)) return std::nullopt;
+    sum += value - middle;
+    if (sum > best) best = sum, last_inside = i;
+  }
+  if (last_inside < 0 || last_inside + 1 >= steps) return std::nullopt;
+  const float inside = profile[static_cast<std::size_t>(start + direction * last_inside)];
+  const float outside = profile[static_cast<std::size_t>(start + direction * (last_inside + 1))];
+  const double part = inside > outside ? static_cast<double>((inside - middle) / (inside - outside)) : 0.5;
+  return (last_inside + 0.5 + std::clamp(part, 0.0, 1.0)) * kBinWidth;
+}
+
+/// One row's measurements, by sample, in spacings from the model's centre.
+struct Measured {
+  std::array<std::vector<std::optional<double>>, 2> smooth, own;
+  std::array<double, 2> scatter = {0.0, 0.0};  // one-sigma of own against smooth, spacings
+};
+
+Measured measure(const std::vector<Profile>& profiles) {
+  Measured measured;
+  std::array<std::vector<double>, 2> residuals;
+  for (std::size_t j = 0; j < profiles.size(); ++j) {
+    const Profile mean = window_mean(profiles, j);
+    const Levels levels = levels_of(mean);
+    for (std::size_t side = 0; side < 2; ++side) {
+      const auto smooth = edge_of(mean, static_cast<int>(side), levels.middle[side]);
+      const auto own =
+          smooth ? edge_of(profiles[j], static_cast<int>(side), levels.middle[side]) : std::nullopt;
+      measured.smooth[side].push_back(smooth);
+      measured.own[side].push_back(own);
+      if (smooth && own) residuals[side].push_back(*own - *smooth);
+    }
+  }
+  for (std::size_t side = 0; side < 2; ++side) {
+    const double sigma = stats::mad_sigma(residuals[side]);
+    measured.scatter[side] = std::isfinite(sigma) ? sigma : 0.1;
+  }
+  return measured;
+}
+
+void write_samples(const Measured& measured, const CommonModel& model, double px_floor, RowLine& row) {
+  constexpr double kOutlierSigmas = 3.5;
+  for (std::size_t j = 0; j < row.samples.size(); ++j) {
+    RowSample& sample = row.samples[j];
+    const Cut cut = model.at(sample.centre_px.y());
+    const double model_u = cut.centre + row.index * cut.spacing;
+    const auto &left = measured.smooth[0][j], &right = measured.smooth[1][j];
+    if (left && right) {
+      // The row's own middle against the common model, each by its variance.
+      const double own_sigma =
+          std::hypot(std::hypot(measured.scatter[0], measured.scatter[1]) / std::sqrt(2.0 * kWindow + 1.0) +
+                         kMiddleSigma,
+                     px_floor / cut.spacing);
+      const double weight = kOwnSpread * kOwnSpread / (kOwnSpread * kOwnSpread + own_sigma * own_sigma);
+      sample.centre_px.x() = model_u + weight * 0.5 * (*right - *left) * cut.spacing;
+      sample.sigma_px = std::max(px_floor, std::sqrt(weight) * own_sigma * cut.spacing);
+    }
+    const auto own = [&](std::size_t side) -> std::optional<double> {
+      const auto &smooth = measured.smooth[side][j], &value = measured.own[side][j];
+      const double sigma = std::max(measured.scatter[side], px_floor / cut.spacing);
+      if (!smooth || !value || std::abs(*value - *smooth) > kOutlierSigmas * sigma) return std::nullopt;
+      return value;
+    };
+    if (const auto edge = own(0)) sample.left_u_px = model_u - *edge * cut.spacing;
+    if (const auto edge = own(1)) sample.right_u_px = model_u + *edge * cut.spacing;
+    sample.edge_sigma_px =
+        std::max(px_floor, std::max(measured.scatter[0], measured.scatter[1]) * cut.spacing);
+  }
+}
+
+std::optional<Estimate> half_width_at(const Measured& measured, const CommonModel& model, double v_middle,
+                                      double px_floor, const RowLine& row) {
+  const auto nearest =
+      std::min_element(row.samples.begin(), row.samples.end(), [&](const RowSample& a, const RowSample& b) {
+        return std::abs(a.centre_px.y() - v_middle) < std::abs(b.centre_px.y() - v_middle);
+      });
+  if (nearest == row.samples.end() || std::abs(nearest->centre_px.y() - v_middle) > 10.0) return std::nullopt;
+  const auto j = static_cast<std::size_t>(nearest - row.samples.begin());
+  const auto &left = measured.smooth[0][j], &right = measured.smooth[1][j];
+  if (!left || !right) return std::nullopt;
+  const double spacing = model.at(v_middle).spacing;
+  const std::size_t from = j > kWindow ? j - kWindow : 0, to = std::min(row.samples.size(), j + kWindow + 1);
+  const int observations = static_cast<int>(to - from);
+  const double sigma = 0.5 * std::hypot(measured.scatter[0], measured.scatter[1]) * spacing /
+                       std::sqrt(static_cast<double>(observations));
+  return Estimate{0.5 * (*left + *right) * spacing, std::hypot(sigma, px_floor), observations};
+}
+
+}  // namespace
+
+CommonModel::CommonModel(const FoundField& found, const GreenMap& search_map)
+    : field_(found.field), centre_k_(found.followed.centre_k) {
+  field_.u0 = search_map.u_in_picture(found.field.u0);
+  field_.v0 = search_map.v_in_picture(found.field.v0);
+  field_.length = found.field.length * search_map.scale_v;
+  for (double* px : {&field_.spacing, &field_.offset, &field_.slope, &field_.bend, &field_.bend2})
+    *px *= search_map.scale_u;
+  const FollowedField& followed = found.followed;
+  for (std::size_t i = 0; i < followed.v.size(); ++i) {
+    const double spacing = found.field.spacing_at(followed.v[i]);
+    departures_.push_back({search_map.v_in_picture(followed.v[i]),
+                           (followed.centre[i] - found.field.u_at(followed.v[i], centre_k_)) / spacing,
+                           followed.spacing[i] / spacing});
+  }
+}
+
+Cut CommonModel::at(double v) const {
+  double shift = 0.0, stretch = 1.0;
+  if (!departures_.empty()) {
+    const auto upper = std::lower_bound(departures_.begin(), departures_.end(), v,
+                                        [](const Departure& one, double at) { return one.v < at; });
+    const Departure& b = upper == departures_.end() ? departures_.back() : *upper;
+    const Departure& a = upper == departures_.begin() ? b : *(upper - 1);
+    const double part = b.v > a.v ? std::clamp((v - a.v) / (b.v - a.v), 0.0, 1.0) : 0.0;
+    shift = a.shift + part * (b.shift - a.shift);
+    stretch = a.stretch + part * (b.stretch - a.stretch);
+  }
+  const double spacing = field_.spacing_at(v);
+  return {v, field_.u_at(v, centre_k_) + shift * spacing - centre_k_ * spacing * stretch, spacing * stretch};
+}
+
+void shape_rows(const GreenMap& map, const CommonModel& model, std::vector<RowLine>& rows) {
+  const double px_floor =
+      0.25 * map.scale_u;  // a quarter of a map's pixel: what a step's place is worth after area averaging
+  const double v_middle = 0.5 * (map.height * map.scale_v - 1.0);
+  std::vector<Profile> profiles;
+  for (RowLine& row : rows) {
+    if (row.samples.size() < 2) continue;
+    const double step = row.samples[1].centre_px.y() - row.samples[0].centre_px.y();
+    profiles.clear();
+    for (const RowSample& sample : row.samples) {
+      const double v = sample.centre_px.y();
+      profiles.push_back(sample_profile(map, model, row.index, v - 0.5 * step, v + 0.499 * step));
+    }
+    const Measured measured = measure(profiles);
+    row.half_width_px = half_width_at(measured, model, v_middle, px_floor, row);
+    write_samples(measured, model, px_floor, row);
+  }
+}
+
+}  // namespace furrow::rows
