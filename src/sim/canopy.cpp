@@ -34,7 +34,9 @@ constexpr double kShadowEdge_m = 0.12;  // softness of a row's outline in its sh
 constexpr double kFitLength_m = 40.0;   // row length on which a silhouette is measured
 constexpr double kSunwards_m = 0.06;    // from a wall to its sunward side
 constexpr double kHiddenFrom = 0.25;    // depth from which a far wall is out of sight
-constexpr double kOpenReach = 4.0;      // sigmas to which open_above() is tabulated
+constexpr double kBelowOne = 0.999999;
+constexpr std::uint64_t kLightSalt = 0x116870000000000ULL;  // parts a leaf's light from its place
+constexpr double kOpenReach = 4.0;                          // sigmas to which open_above() is tabulated
 constexpr int kFitRounds = 3;
 constexpr int kFitRow = 1021;  // a row number that no field has, yet small enough for float coordinates
 
@@ -52,9 +54,17 @@ double normal_above(double x) {
   return 0.5 * std::erfc(x / std::sqrt(2.0));
 }
 
-/// Mean 0, one-sigma 1, within +-3: quicker than a true normal, for looks.
+/// In [0, 1) by one 32-bit draw: enough for looks, at half the price of uniform().
+double small_uniform(base::Random& random) {
+  return static_cast<double>(random.bits()) * 0x1.0p-32;
+}
+
+/// Mean 0, one-sigma 1, within +-3.5, nearly normal: the sum of four 16-bit parts, whose variances are 1 / 12
+/// each.
 double soft_normal(base::Random& random) {
-  return 2.0 * (random.uniform() + random.uniform() + random.uniform() - 1.5);
+  const std::uint32_t a = random.bits(), b = random.bits();
+  const double sum = static_cast<double>((a & 0xffffU) + (a >> 16U) + (b & 0xffffU) + (b >> 16U));
+  return (sum / 65536.0 - 2.0 + 2.0 / 65536.0) * 1.7320508075688772;
 }
 
 Vector3f rgb(const std::vector<double>& c) {
@@ -201,7 +211,7 @@ double Canopy::open_above(double outside) const {
   return open_[static_cast<std::size_t>(at + 0.5)];
 }
 
-Canopy::Course Canopy::course_of(const Piece& piece, const Fit& fit) const {
+Course Canopy::course_of(const Piece& piece, const Fit& fit) const {
   const Field& f = scene_.field;
   const int row = piece.row;
   Course course{};
@@ -231,17 +241,17 @@ Canopy::Surface Canopy::pick_surface(const Course& course, double part, bool wit
                                      base::Random& random) const {
   const Field& f = scene_.field;
   const double top = course.at(course.top, part);
-  const bool left = random.uniform() < 0.5;
+  const bool left = small_uniform(random) < 0.5;
   const double edge = course.at(left ? course.left : course.right, part);
   const double base_edge = std::min(edge, f.base_half_width_m);
   const double bottom = std::min(f.foliage_bottom_m + 0.4 * f.leaf_m, top);
   const double wall = std::sqrt((top - bottom) * (top - bottom) + (edge - base_edge) * (edge - base_edge));
   Surface at{};
-  at.inner = with_inner && random.uniform() < kInnerLayers / (kInnerLayers + f.leaf_layers);
+  at.inner = with_inner && small_uniform(random) < kInnerLayers / (kInnerLayers + f.leaf_layers);
   at.left = left;
   const double side = left ? 1.0 : -1.0;
-  const bool on_top = random.uniform() * (edge + wall) < edge;
-  const double q = random.uniform();  // from the middle to the edge, or from the top down
+  const bool on_top = small_uniform(random) * (edge + wall) < edge;
+  const double q = small_uniform(random);  // from the middle to the edge, or from the top down
   if (on_top) {
     at.point = {0.0, side * q * edge, top};
     at.normal = {0.0, side * 0.25 * q, 1.0};
@@ -251,42 +261,44 @@ Canopy::Surface Canopy::pick_surface(const Course& course, double part, bool wit
     at.depth = q;
   }
   at.normal.normalize();
-  at.outside = random.normal();
+  at.outside = soft_normal(random);
   if (at.inner) {
-    const double shrink = random.uniform(kInnerLow, kInnerHigh);
+    const double shrink = (kInnerLow + (kInnerHigh - kInnerLow) * small_uniform(random));
     at.point.y() *= shrink;
-    at.point.z() -= (1.0 - at.depth) * random.uniform(0.5, 2.0) * f.leaf_m;
+    at.point.z() -= (1.0 - at.depth) * (0.5 + 1.5 * small_uniform(random)) * f.leaf_m;
   } else {
     at.point += f.surface_roughness_m * at.outside * at.normal;
   }
   return at;
 }
 
-Vector3f Canopy::light_leaf(const Surface& at, const Vector3d& leaf_normal, const Course& course, double part,
-                            base::Random& random) const {
+Vector3f Canopy::light(const Leaf& leaf, const Course& course) const {
+  if (leaf.shape == Shape::blade) return leaf.colour;
   const Field& f = scene_.field;
   const Vector3d& sun = course.sun;
-  double lit = random.uniform() < open_above(at.outside) + 0.25 ? 1.0 : 0.25;
-  if (at.inner) lit *= 0.35;
-  lit *= course.at(at.left ? course.sun_left : course.sun_right, std::min(at.depth, 0.999999));
-  const double facing = leaf_normal.dot(sun);
+  base::Random random(leaf.seed);
+  const auto depth = static_cast<double>(leaf.depth), part = static_cast<double>(leaf.part);
+  double lit = small_uniform(random) < open_above(static_cast<double>(leaf.outside)) + 0.25 ? 1.0 : 0.25;
+  if (leaf.inner) lit *= 0.35;
+  lit *= course.at(leaf.left ? course.sun_left : course.sun_right, std::min(depth, kBelowOne));
+  const double facing = leaf.normal.cast<double>().dot(sun);
   const double front = std::max(0.0, facing), back = std::max(0.0, -facing);
-  const double sky = (at.inner ? 0.45 : 1.0) * (0.35 + 0.65 * (1.0 - 0.7 * at.depth));
+  const double sky = (leaf.inner ? 0.45 : 1.0) * (0.35 + 0.65 * (1.0 - 0.7 * depth));
   const double direct = lit * (front + kTransmitted * back) / sun.z();
   // Leaves differ in age: young ones are lighter and yellower, vines differ from each other.
-  const double vine = course.at(course.tone, part);
+  const double vine = course.at(course.tone, std::min(part, kBelowOne));
   const auto tone = static_cast<float>(std::clamp(1.0 + 0.17 * soft_normal(random) + 0.08 * vine, 0.5, 1.7));
   const auto yellow =
       static_cast<float>(std::clamp(0.12 * soft_normal(random) + 0.05 * vine + 0.05, -0.25, 0.6));
   const Vector3f colour =
       rgb(f.leaf_rgb).cwiseProduct(Vector3f(1.0F + yellow, 1.0F + 0.35F * yellow, 1.0F)) * tone;
-  Vector3f light =
+  Vector3f falling =
       kSunColour * static_cast<float>(direct) + kSkyColour * static_cast<float>(scene_.sun.diffuse * sky);
-  if (back > 0.0) light = light.cwiseProduct(Vector3f(1.15F, 1.05F, 0.7F));
-  return colour.cwiseProduct(light);
+  if (back > 0.0) falling = falling.cwiseProduct(Vector3f(1.15F, 1.05F, 0.7F));
+  return colour.cwiseProduct(falling);
 }
 
-void Canopy::append_vines(const Piece& piece, const Fit& fit, std::vector<Leaf>& out) const {
+Course Canopy::append_vines(const Piece& piece, const Fit& fit, std::vector<Leaf>& out) const {
   const Field& f = scene_.field;
   const double stretch = stretch_of(piece.level), widen = widen_of(piece.level);
   const bool with_inner = has_inner(piece.level);
@@ -300,19 +312,21 @@ void Canopy::append_vines(const Piece& piece, const Fit& fit, std::vector<Leaf>&
   const std::uint64_t piece_key = key(27 + static_cast<std::uint64_t>(piece.level), piece.row, piece.number);
   const int count = static_cast<int>(wanted + unit_hash(piece_key));
   for (int i = 0; i < count; ++i) {
-    base::Random random(piece_key + static_cast<std::uint64_t>(i));
-    const double part = random.uniform();
-    if (random.uniform() * densest >= course.at(course.density, part)) continue;
+    const std::uint64_t leaf_key = piece_key + static_cast<std::uint64_t>(i);
+    base::Random random(leaf_key);
+    const double part = small_uniform(random);
+    if (small_uniform(random) * densest >= course.at(course.density, part)) continue;
     const Surface at = pick_surface(course, part, with_inner, random);
     if (at.depth > kHiddenFrom && piece.hidden_side == (at.left ? 1 : -1)) continue;
-    const double half =
-        0.5 * f.leaf_m * random.uniform(kLeafSizeLow, kLeafSizeHigh) * (at.inner ? kInnerSize : 1.0);
+    const double half = 0.5 * f.leaf_m *
+                        (kLeafSizeLow + (kLeafSizeHigh - kLeafSizeLow) * small_uniform(random)) *
+                        (at.inner ? kInnerSize : 1.0);
     Leaf leaf;
     Vector3d normal, along, across;
     if (piece.level == 0) {
       const double tilt_s = soft_normal(random), tilt_l = soft_normal(random), tilt_h = soft_normal(random);
       normal = (at.normal + kLeafTilt * Vector3d(tilt_s, tilt_l, tilt_h)).normalized();
-      const double turn = random.uniform(0.0, 2.0 * kPi);
+      const double turn = 2.0 * kPi * small_uniform(random);
       const Vector3d a = normal.unitOrthogonal(), b = normal.cross(a);
       along = std::cos(turn) * a + std::sin(turn) * b;
       across = std::cos(turn) * b - std::sin(turn) * a;
@@ -328,9 +342,16 @@ void Canopy::append_vines(const Piece& piece, const Fit& fit, std::vector<Leaf>&
     leaf.centre = centre.cast<float>();
     leaf.along = (half * stretch * along).cast<float>();
     leaf.across = (half * widen * across).cast<float>();
-    if (!piece.calibrating) leaf.colour = light_leaf(at, normal, course, part, random);
+    leaf.normal = normal.cast<float>();
+    leaf.part = static_cast<float>(part);
+    leaf.depth = static_cast<float>(at.depth);
+    leaf.outside = static_cast<float>(at.outside);
+    leaf.inner = at.inner;
+    leaf.left = at.left;
+    leaf.seed = leaf_key ^ kLightSalt;
     out.push_back(leaf);
   }
+  return course;
 }
 
 void Canopy::append_corn(int row, int piece, const Fit& fit, bool calibrating, double direction_rad,
@@ -420,15 +441,16 @@ void Canopy::append_wood(int row, int piece, double direction_rad, std::vector<L
   }
 }
 
-void Canopy::append_piece(int row, int piece, int level, double direction_rad, int hidden_side,
-                          std::vector<Leaf>& out) const {
+Course Canopy::append_piece(int row, int piece, int level, double direction_rad, int hidden_side,
+                            std::vector<Leaf>& out) const {
   const Fit& fit = fits_[static_cast<std::size_t>(std::clamp(level, 0, kLevels - 1))];
   if (scene_.field.crop == Crop::corn) {
     append_corn(row, piece, fit, false, direction_rad, out);
-    return;
+    return {};
   }
-  append_vines({row, piece, level, hidden_side, false, direction_rad}, fit, out);
+  const Course course = append_vines({row, piece, level, hidden_side, false, direction_rad}, fit, out);
   if (stretch_of(level) * widen_of(level) <= kCoarsestWithWood) append_wood(row, piece, direction_rad, out);
+  return course;
 }
 
 Canopy::Fit Canopy::fit_level(int level) const {
@@ -455,7 +477,7 @@ Canopy::Fit Canopy::fit_level(int level) const {
 
 namespace {
 
-constexpr double kGridAlong_m = 0.05, kGridAcross_m = 0.01;
+constexpr double kGridAlong_m = 0.1, kGridAcross_m = 0.01;
 
 /// Heights of the first hit from above on a grid; NaN-free: 0 where nothing is hit.
 struct HeightGrid {

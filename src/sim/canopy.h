@@ -22,8 +22,30 @@ enum class Shape : std::uint8_t {
 struct Leaf {
   Eigen::Vector3f centre;
   Eigen::Vector3f along, across;  ///< half axes
-  Eigen::Vector3f colour;         ///< linear radiance under the scene's sun
   Shape shape = Shape::leaf;
+  /// Blades carry their colour (linear radiance under the scene's sun); leaves are lit only when they are
+  /// seen, by Canopy::light().
+  Eigen::Vector3f colour;
+  Eigen::Vector3f normal;
+  float part = 0.0F;     ///< place in its piece, 0 to 1
+  float depth = 0.0F;    ///< 0 at the top of the canopy, 1 at its lowest leaves
+  float outside = 0.0F;  ///< offset outwards from the envelope, in sigmas
+  bool inner = false, left = false;
+  std::uint64_t seed = 0;
+};
+
+/// What changes slowly along a row, over one piece of it.
+struct Course {
+  static constexpr int kNodes = 11;
+  std::array<double, kNodes> top, left, right, density, tone;
+  /// Sun that reaches the walls from the top down, left and right.
+  std::array<double, kNodes> sun_left, sun_right;
+  Eigen::Vector3d sun;
+  double at(const std::array<double, kNodes>& nodes, double part) const {
+    const double x = part * (kNodes - 1);
+    const auto i = static_cast<std::size_t>(x);
+    return nodes[i] + (x - static_cast<double>(i)) * (nodes[i + 1] - nodes[i]);
+  }
 };
 
 /// The plants of all rows, made on demand piece by piece: the same piece always has the same leaves. Coarser
@@ -43,12 +65,14 @@ class Canopy {
   /// Without `fitted` only density() and the shadows may be asked for; fitting takes a fraction of a second.
   explicit Canopy(const Scene& scene, bool fitted = true);
 
-  /// Appends the leaves of row `row`, s in [piece, piece + 1) m, as the sun lights them. `direction_rad`: of
-  /// the row there.
+  /// The leaves of row `row`, s in [piece, piece + 1) m, into `out`. `direction_rad`: of the row there.
   /// `hidden_side`: 1 to leave out what stands on the lower left wall because the camera is far to the right,
   /// -1 the other way, 0 for all.
-  void append_piece(int row, int piece, int level, double direction_rad, int hidden_side,
-                    std::vector<Leaf>& out) const;
+  Course append_piece(int row, int piece, int level, double direction_rad, int hidden_side,
+                      std::vector<Leaf>& out) const;
+
+  /// Colour of a leaf of a piece with that course.
+  Eigen::Vector3f light(const Leaf& leaf, const Course& course) const;
 
   /// Part of the sun's light that the rows let through to a point; `direction_rad` as above.
   double sunlight(double s, double l, double height_m, double direction_rad) const;
@@ -80,33 +104,18 @@ class Canopy {
     double inset_m = 0.0;  ///< the envelope's edge lies so far inside the stated half width
     double drop_m = 0.0;   ///< and its top below the stated height
   };
-  /// What changes slowly along a row, over one piece.
-  struct Course {
-    static constexpr int kNodes = 11;
-    std::array<double, kNodes> top, left, right, density, tone;
-    /// Sun that reaches the walls from the top down, left and right.
-    std::array<double, kNodes> sun_left, sun_right;
-    Eigen::Vector3d sun;
-    double at(const std::array<double, kNodes>& nodes, double part) const {
-      const double x = part * (kNodes - 1);
-      const auto i = static_cast<std::size_t>(x);
-      return nodes[i] + (x - static_cast<double>(i)) * (nodes[i + 1] - nodes[i]);
-    }
-  };
   struct Surface {
     Eigen::Vector3d point, normal;
     double depth;    ///< 0 at the top of the canopy, 1 at its lowest leaves
     double outside;  ///< offset outwards from the envelope, in sigmas
     bool inner, left;
   };
-  void append_vines(const Piece& piece, const Fit& fit, std::vector<Leaf>& out) const;
+  Course append_vines(const Piece& piece, const Fit& fit, std::vector<Leaf>& out) const;
   void append_corn(int row, int piece, const Fit& fit, bool calibrating, double direction_rad,
                    std::vector<Leaf>& out) const;
   void append_wood(int row, int piece, double direction_rad, std::vector<Leaf>& out) const;
   Course course_of(const Piece& piece, const Fit& fit) const;
   Surface pick_surface(const Course& course, double part, bool with_inner, base::Random& random) const;
-  Eigen::Vector3f light_leaf(const Surface& at, const Eigen::Vector3d& leaf_normal, const Course& course,
-                             double part, base::Random& random) const;
   double open_above(double outside) const;
   Fit fit_level(int level) const;
   static int alike(int level);

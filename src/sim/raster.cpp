@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace furrow::sim {
 namespace {
@@ -26,7 +27,32 @@ float twice_area(std::span<const Eigen::Vector2f> p) {
   return sum;
 }
 
+bool none(SampleBuffer::Int4 mask) {
+  const auto halves = reinterpret_cast<SampleBuffer::Long2>(mask);
+  return (halves[0] | halves[1]) == 0;
+}
+
+/// First and last pixel that [low, high] touches, within [0, count).
+std::pair<int, int> pixels_between(float low, float high, int count) {
+  const float last = static_cast<float>(count - 1);
+  return {static_cast<int>(std::clamp(std::floor(low + 0.5F), 0.0F, last)),
+          static_cast<int>(std::clamp(std::floor(high + 0.5F), 0.0F, last))};
+}
+
 }  // namespace
+
+bool SampleBuffer::hides(const Eigen::Vector2f& middle, float half_px, float inverse_depth) const {
+  const auto [u0, u1] = pixels_between(middle.x() - half_px, middle.x() + half_px, width_);
+  const auto [v0, v1] = pixels_between(middle.y() - half_px, middle.y() + half_px, height_);
+  const Float4 depth = {inverse_depth, inverse_depth, inverse_depth, inverse_depth};
+  for (int v = v0; v <= v1; ++v) {
+    const std::size_t line = static_cast<std::size_t>(v) * static_cast<std::size_t>(width_);
+    for (int u = u0; u <= u1; ++u) {
+      if (!none(depth > nearness_[line + static_cast<std::size_t>(u)])) return false;
+    }
+  }
+  return true;
+}
 
 SampleBuffer::SampleBuffer(int width, int height) : width_(width), height_(height) {
   const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -40,8 +66,8 @@ void SampleBuffer::clear() {
   std::fill(surface_.begin(), surface_.end(), Int4{});
 }
 
-void SampleBuffer::fill(std::span<const Eigen::Vector2f> corners, float inverse_depth, std::int32_t surface) {
-  if (corners.size() < 3 || corners.size() > kMostCorners) return;
+bool SampleBuffer::fill(std::span<const Eigen::Vector2f> corners, float inverse_depth, std::int32_t surface) {
+  if (corners.size() < 3 || corners.size() > kMostCorners) return false;
   Eigen::Vector2f low = corners[0], high = corners[0];
   for (const Eigen::Vector2f& corner : corners) {
     low = low.cwiseMin(corner);
@@ -50,12 +76,10 @@ void SampleBuffer::fill(std::span<const Eigen::Vector2f> corners, float inverse_
   // Written so that NaN falls out.
   if (!(high.x() > -0.5F && high.y() > -0.5F && low.x() < static_cast<float>(width_) - 0.5F &&
         low.y() < static_cast<float>(height_) - 0.5F)) {
-    return;
+    return false;
   }
-  const int u0 = std::max(0, static_cast<int>(std::floor(std::max(low.x(), -1.0F) + 0.5F)));
-  const int v0 = std::max(0, static_cast<int>(std::floor(std::max(low.y(), -1.0F) + 0.5F)));
-  const int u1 = static_cast<int>(std::min(static_cast<float>(width_ - 1), std::floor(high.x() + 0.5F)));
-  const int v1 = static_cast<int>(std::min(static_cast<float>(height_ - 1), std::floor(high.y() + 0.5F)));
+  const auto [u0, u1] = pixels_between(low.x(), high.x(), width_);
+  const auto [v0, v1] = pixels_between(low.y(), high.y(), height_);
 
   const float side = twice_area(corners) < 0.0F ? -1.0F : 1.0F;
   std::array<Edge, kMostCorners> edges;
@@ -66,6 +90,7 @@ void SampleBuffer::fill(std::span<const Eigen::Vector2f> corners, float inverse_
   }
   const Float4 depth = {inverse_depth, inverse_depth, inverse_depth, inverse_depth};
   const Int4 mark = {surface, surface, surface, surface};
+  bool shown = false;
   for (int v = v0; v <= v1; ++v) {
     const Float4 sample_v = kSampleV + static_cast<float>(v);
     std::array<Float4, kMostCorners> row;
@@ -75,11 +100,15 @@ void SampleBuffer::fill(std::span<const Eigen::Vector2f> corners, float inverse_
     for (int u = u0; u <= u1; ++u, ++pixel) {
       const Float4 sample_u = kSampleU + static_cast<float>(u);
       Int4 inside = depth > nearness_[pixel];
+      if (none(inside)) continue;
       for (std::size_t i = 0; i < corners.size(); ++i) inside &= (edges[i].du * sample_u + row[i]) >= 0.0F;
+      if (none(inside)) continue;
+      shown = true;
       nearness_[pixel] = inside ? depth : nearness_[pixel];
       surface_[pixel] = inside ? mark : surface_[pixel];
     }
   }
+  return shown;
 }
 
 }  // namespace furrow::sim

@@ -15,11 +15,15 @@ class SampleBuffer {
  public:
   using Float4 [[gnu::vector_size(16)]] = float;
   using Int4 [[gnu::vector_size(16)]] = std::int32_t;
+  using Long2 [[gnu::vector_size(16)]] = std::int64_t;
 
   SampleBuffer(int width, int height);
   void clear();
   /// Fills a convex polygon of one surface at one depth. `inverse_depth` is 1 / z_cam, larger is nearer.
-  void fill(std::span<const Eigen::Vector2f> corners_px, float inverse_depth, std::int32_t surface);
+  /// Returns whether any sample shows it.
+  bool fill(std::span<const Eigen::Vector2f> corners_px, float inverse_depth, std::int32_t surface);
+  /// Whether nothing at that depth can show within the square of half side `half_px` about a place.
+  bool hides(const Eigen::Vector2f& middle_px, float half_px, float inverse_depth) const;
 
   int width() const { return width_; }
   int height() const { return height_; }

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <Eigen/Geometry>
 #include <memory>
-#include <mutex>
+#include <tuple>
 
 #include "furrow/base/random.h"
 #include "furrow/sim/world.h"
@@ -26,6 +26,7 @@ constexpr double kPieceRadius_m = 1.3;  // of a piece of row about its middle, b
 constexpr double kAlong_px = 4.5;       // leaves may grow along the row up to this in the picture
 constexpr double kAcross_px = 3.0;      // and across it
 constexpr double kLobed_px = 9.0;       // half size in the picture from which a leaf shows its lobes
+constexpr double kReach = 1.45;         // no corner of a leaf is farther from its middle, in half sizes
 constexpr double kExact_px = 5.0;       // half size up to which one linear map serves a whole leaf
 constexpr int kRollingNodes = 33;       // poses along a rolling-shutter picture
 constexpr int kMostExposures = 8;       // pictures averaged for motion blur
@@ -111,33 +112,52 @@ class Painter {
 
   void paint(double first_s, double last_s) {
     const Field& f = scene_.field;
+    std::vector<Piece> pieces;
+    const int last = static_cast<int>(std::floor(last_s)) - 1;
     for (int row = -f.rows_each_side; row <= f.rows_each_side; ++row) {
-      const int last = static_cast<int>(std::floor(last_s)) - 1;
-      for (int piece = static_cast<int>(std::ceil(first_s)); piece <= last; ++piece) paint_piece(row, piece);
+      for (int number = static_cast<int>(std::ceil(first_s)); number <= last; ++number) {
+        if (const auto piece = seen_piece(row, number)) pieces.push_back(*piece);
+      }
     }
+    // Near ones first: what they hide needs no light.
+    std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
+      return std::tie(a.distance_m, a.row, a.number) < std::tie(b.distance_m, b.row, b.number);
+    });
+    for (const Piece& piece : pieces) paint_piece(piece);
   }
   const std::vector<Vector3f>& colours() const { return colours_; }
 
  private:
-  void paint_piece(int row, int piece) {
+  struct Piece {
+    double distance_m;
+    int row, number, level, hidden_side;
+  };
+
+  /// The piece, if it may be in the picture.
+  std::optional<Piece> seen_piece(int row, int number) const {
     const Field& f = scene_.field;
-    const double s = piece + 0.5, l = row * f.spacing_m;
+    const double s = (number + 0.5) * Canopy::kPiece_m, l = row * f.spacing_m;
     const Vector2d xy = rows_.plan_from_row(s, l);
     const Vector3d middle(xy.x(), xy.y(), terrain_.height(xy.x(), xy.y()) + 0.6 * f.row_height_m);
     const Pose& pose = poses_.middle();
-    const Vector3d in_cam = pose.cam_from_plan * (middle - pose.centre);
-    const double direction = rows_.direction(s);
-    const int level = level_of(middle - pose.centre, direction);
+    const Vector3d away = middle - pose.centre;
+    const int level = level_of(away, rows_.direction(s));
     const double radius = 0.5 * Canopy::kPiece_m + 0.6 * f.row_height_m + f.half_width_m +
                           0.5 * f.leaf_m * Canopy::stretch_of(level);
-    if (!may_be_seen(in_cam, radius)) return;
-    leaves_.clear();
+    if (!may_be_seen(pose.cam_from_plan * away, radius)) return std::nullopt;
     // Well to the side of a row, the far wall is behind the row's own leaves.
     const double aside = rows_.row_from_plan(pose.centre.x(), pose.centre.y()).y() - l;
     const int hidden = level > 0 && std::abs(aside) > 2.0 * f.half_width_m ? (aside > 0.0 ? -1 : 1) : 0;
-    canopy_.append_piece(row, piece, level, direction, hidden, leaves_);
+    return Piece{away.norm(), row, number, level, hidden};
+  }
+
+  void paint_piece(const Piece& piece) {
+    const double direction = rows_.direction((piece.number + 0.5) * Canopy::kPiece_m);
+    leaves_.clear();
+    const Course course =
+        canopy_.append_piece(piece.row, piece.number, piece.level, direction, piece.hidden_side, leaves_);
     const Eigen::Matrix2d turn = Eigen::Rotation2Dd(direction).toRotationMatrix();
-    for (const Leaf& leaf : leaves_) paint_leaf(leaf, turn);
+    for (const Leaf& leaf : leaves_) paint_leaf(leaf, course, turn);
   }
 
   /// Whether a ball reaches into the pyramid of the picture.
@@ -181,7 +201,7 @@ class Painter {
     return px->cast<float>();
   }
 
-  void paint_leaf(const Leaf& leaf, const Eigen::Matrix2d& turn) {
+  void paint_leaf(const Leaf& leaf, const Course& course, const Eigen::Matrix2d& turn) {
     const Vector2d xy =
         rows_.plan_from_row(static_cast<double>(leaf.centre.x()), static_cast<double>(leaf.centre.y()));
     const Vector3d centre(xy.x(), xy.y(),
@@ -203,16 +223,22 @@ class Painter {
     const double half_px = scene_.camera.fx * std::max(along.norm(), across.norm()) / at.z();
     const auto width = static_cast<double>(samples_.width()), height = static_cast<double>(samples_.height());
     const auto mu = static_cast<double>(middle->x()), mv = static_cast<double>(middle->y());
-    const double margin = 1.6 * half_px + 1.0;
+    const double margin = kReach * half_px + 1.0;
     if (mu < -margin || mv < -margin || mu > width + margin || mv > height + margin) return;
-    outline(leaf, half_px, at, along, across, *middle);
     const auto nearness = static_cast<float>(1.0 / at.z());
-    const Vector3f colour = Backdrop::through_air(leaf.colour, at.norm());
-    if (leaf.shape == Shape::leaf && half_px > kLobed_px) {
-      paint_lobes(*middle, nearness, colour);
-    } else {
-      samples_.fill(corners_, nearness, add_colour(colour));
+    if (samples_.hides(*middle, static_cast<float>(kReach * half_px), nearness)) return;
+    outline(leaf, half_px, at, along, across, *middle);
+    const bool lobed = leaf.shape == Shape::leaf && half_px > kLobed_px;
+    const auto next = static_cast<std::int32_t>(colours_.size());
+    if (lobed) {
+      for (std::size_t i = 0; i < corners_.size(); ++i) {
+        const std::array<Vector2f, 3> lobe = {*middle, corners_[i], corners_[(i + 1) % corners_.size()]};
+        samples_.fill(lobe, nearness, next + static_cast<std::int32_t>(i));
+      }
+    } else if (!samples_.fill(corners_, nearness, next)) {
+      return;
     }
+    add_colours(Backdrop::through_air(canopy_.light(leaf, course), at.norm()), lobed);
   }
 
   /// corners_ of a leaf in the picture.
@@ -246,19 +272,17 @@ class Painter {
     }
   }
 
-  /// A leaf folded a little along its midrib: its halves and lobes catch the light differently.
-  void paint_lobes(const Vector2f& middle, float nearness, const Vector3f& colour) {
-    for (std::size_t i = 0; i < corners_.size(); ++i) {
-      const bool left_half = i < corners_.size() / 2;
-      const float light = (left_half ? 1.10F : 0.90F) * (i % 2 == 0 ? 1.04F : 0.96F);
-      const std::array<Vector2f, 3> lobe = {middle, corners_[i], corners_[(i + 1) % corners_.size()]};
-      samples_.fill(lobe, nearness, add_colour(colour * light));
+  /// The colour of the surface just drawn; of a lobed leaf, folded a little along its midrib, one for each
+  /// lobe.
+  void add_colours(const Vector3f& colour, bool lobed) {
+    if (!lobed) {
+      colours_.push_back(colour);
+      return;
     }
-  }
-
-  std::int32_t add_colour(const Vector3f& colour) {
-    colours_.push_back(colour);
-    return static_cast<std::int32_t>(colours_.size() - 1);
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      const float half = i < corners_.size() / 2 ? 1.10F : 0.90F;
+      colours_.push_back(colour * half * (i % 2 == 0 ? 1.04F : 0.96F));
+    }
   }
 
   const Scene& scene_;
