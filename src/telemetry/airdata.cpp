@@ -106,6 +106,7 @@ Result<Track> read_airdata(std::string_view text, const std::string& name) {
                  std::to_string(table.rows.size()) + " rows, none with a time(millisecond)",
                  "at least one row", ""};
   set_utc(track, clock);
+  reader::clear_constant_gimbal(track);
   reader::finish(track, lines);
   distrust_held_sonar(track);
   return track;

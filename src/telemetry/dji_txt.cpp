@@ -205,6 +205,7 @@ Result<Track> read_dji_txt(std::string_view bytes, const std::string& name) {
     for (Sample& s : track.samples) s.t_utc_ns = s.t_log_ns + offset_ns;
     track.utc_sigma_s = stats::mad_sigma(g.utc_less_log_s);
   }
+  reader::clear_constant_gimbal(track);
   reader::finish(track, g.records);
   distrust_held_sonar(track, {.ceiling_m = kVisionCeiling_m});
   return track;

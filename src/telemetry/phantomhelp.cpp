@@ -143,6 +143,7 @@ Result<Track> read_phantomhelp(std::string_view text, const std::string& name) {
     track.warnings.push_back(
         "no row has a readable date and time (a spreadsheet program cuts 'updateTime' to minutes); only the "
         "flight time is used");
+  reader::clear_constant_gimbal(track);
   reader::finish(track, lines);
   distrust_held_sonar(track, columns.swave ? SonarRule{.ceiling_m = kVisionCeiling_m} : SonarRule{});
   return track;

@@ -278,7 +278,6 @@ void finish(Track& track, const std::vector<int>& lines) {
 
 void finish_marked(Track& track, const std::vector<int>& lines) {
   clear_impossible_positions(track, lines);
-  clear_constant_gimbal(track);
   normalise(track);
   order_by_time(track, lines);
 }

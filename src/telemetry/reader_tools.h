@@ -94,13 +94,15 @@ void order_by_time(Track& track, const std::vector<int>& lines);
 /// (0, 0) and places off the Earth become "no fix".
 void clear_impossible_positions(Track& track, const std::vector<int>& lines);
 
-/// A gimbal pitch of 0 in every row means that nothing measured it.
+/// A gimbal pitch of 0 in every row means that nothing measured it. For flight records: they have the column
+/// whether there is a gimbal or not. Not for subtitles, which name the angles only when there are some.
 void clear_constant_gimbal(Track& track);
 
 /// Brings angles into their ranges (sample_fields.h) and drops infinities.
 void normalise(Track& track);
 
-/// All of the above, in the order that every reader needs. `lines` holds the file's line of each sample.
+/// Photo edges, positions, angles and order in time, as every reader needs them. `lines` holds the file's
+/// line of each sample.
 void finish(Track& track, const std::vector<int>& lines);
 /// The same for a log whose every row is a picture.
 void finish_marked(Track& track, const std::vector<int>& lines);

@@ -64,6 +64,9 @@ bool looks_like_flight_record(std::string_view bytes) {
 /// A name for a format that is recognised and not read.
 std::optional<std::string> recognised(std::string_view head) {
   if (head.starts_with("ULog\x01\x12\x35")) return "a PX4 ULog";
+  // Eight bytes of a station's clock, big-endian microseconds, before each message of MAVLink 1 or 2.
+  if (head.size() > 9 && head[0] == 0 && (head[8] == '\xFE' || head[8] == '\xFD'))
+    return "a MAVLink log (.tlog)";
   if (head.starts_with("\xA3\x95")) return "an ArduPilot DataFlash log";
   if (head.starts_with("\xFF\xD8\xFF")) return "a JPEG picture";
   if (head.starts_with("PK\x03\x04")) return "a zip archive (KMZ, or a spreadsheet)";

@@ -34,6 +34,8 @@ TEST(ReadTrack, UnknownContentListsWhatCanBeRead) {
 TEST(ReadTrack, RecognisedButUnreadFormatsAreNamed) {
   EXPECT_NE(parse_track("ULog\x01\x12\x35 rest", "x").error().found.find("ULog"), std::string::npos);
   EXPECT_NE(parse_track("\xFF\xD8\xFF rest", "x").error().found.find("JPEG"), std::string::npos);
+  const std::string tlog("\0\5\x1f\x2f\x3f\x4f\x5f\x6f\xFE\x09\x01\x01\x01", 13);
+  EXPECT_NE(parse_track(tlog, "x").error().found.find("MAVLink"), std::string::npos);
   EXPECT_NE(parse_track(std::string("\0\1\2\3", 4), "x").error().found.find("no text"), std::string::npos);
 }
 
