@@ -34,6 +34,8 @@ constexpr double kShadowEdge_m = 0.12;  // softness of a row's outline in its sh
 constexpr double kFitLength_m = 40.0;   // row length on which a silhouette is measured
 constexpr double kSunwards_m = 0.06;    // from a wall to its sunward side
 constexpr double kHiddenFrom = 0.25;    // depth from which a far wall is out of sight
+constexpr int kFewestBlades = 6;        // of a young corn plant
+constexpr double kCornExtinction_per_m = 1.5;
 constexpr double kBelowOne = 0.999999;
 constexpr std::uint64_t kLightSalt = 0x116870000000000ULL;  // parts a leaf's light from its place
 constexpr double kOpenReach = 4.0;                          // sigmas to which open_above() is tabulated
@@ -111,6 +113,11 @@ bool Canopy::has_inner(int level) {
   return stretch_of(level) * widen_of(level) <= kCoarsestWithInner;
 }
 
+std::array<Eigen::Vector2f, 4> blade_outline(float taper) {
+  return {Eigen::Vector2f(-1, -1), Eigen::Vector2f(1, -taper), Eigen::Vector2f(1, taper),
+          Eigen::Vector2f(-1, 1)};
+}
+
 Canopy::Canopy(const Scene& scene, bool fitted) : scene_(scene) {
   for (int i = 0; i < kOpenNodes; ++i) {
     const double outside = kOpenReach * (2.0 * i / (kOpenNodes - 1) - 1.0);
@@ -186,7 +193,7 @@ double Canopy::sunlight(double s, double l, double height_m, double direction_ra
     const double edge = smoothstep(inside_m / kShadowEdge_m + 0.5);
     if (edge > 0.0) depth += edge * density(static_cast<int>(row), at_s) * step_m / sun.z();
   }
-  return std::exp(-kExtinction_per_m * depth);
+  return std::exp(-(f.crop == Crop::corn ? kCornExtinction_per_m : kExtinction_per_m) * depth);
 }
 
 double Canopy::sunlight_under_even_rows(const Vector3d& sun, double l, double height_m) const {
@@ -202,7 +209,7 @@ double Canopy::sunlight_under_even_rows(const Vector3d& sun, double l, double he
     depth +=
         smoothstep((envelope_half_width(h) - std::abs(off_row)) / kShadowEdge_m + 0.5) * step_m / sun.z();
   }
-  return std::exp(-kExtinction_per_m * depth);
+  return std::exp(-(f.crop == Crop::corn ? kCornExtinction_per_m : kExtinction_per_m) * depth);
 }
 
 /// Chance that no leaf of the envelope's own layer stands above one that is `outside` sigmas out.
@@ -365,41 +372,54 @@ void Canopy::append_corn(int row, int piece, const Fit& fit, bool calibrating, d
        ++plant) {
     if (!calibrating && plant_missing(row, plant)) continue;
     base::Random random(key(40, row, plant));
-    const double s0 = (static_cast<double>(plant) + 0.15 * random.normal()) * f.plant_spacing_m;
-    const double l0 = 0.08 * f.half_width_m * random.normal();
-    const double size = std::clamp(1.0 + 0.12 * random.normal(), 0.6, 1.4);
-    const int blades = 5 + static_cast<int>(random.below(3));
+    const double s = (static_cast<double>(plant) + 0.15 * soft_normal(random)) * f.plant_spacing_m;
+    const Vector3d foot(s, row * f.spacing_m + 0.08 * f.half_width_m * soft_normal(random), 0.0);
+    const double size = std::clamp(1.0 + 0.12 * soft_normal(random), 0.6, 1.4);
+    const int blades = kFewestBlades + static_cast<int>(random.below(4));
     double turn = random.uniform(0.0, 2.0 * kPi);
     for (int i = 0; i < blades; ++i) {
-      turn += kPi + random.uniform(-0.5, 0.5);  // blades stand on alternate sides
-      const double length = reach * size * (0.75 + 0.5 * (i + 0.5) / blades) * random.uniform(0.85, 1.15);
-      const double rise = top * size * random.uniform(0.8, 1.0);
-      const Vector3d out_dir(std::cos(turn), std::sin(turn), 0.0);
-      const Vector3d wide(-std::sin(turn), std::cos(turn), 0.0);
-      // An arch of three straight pieces: up, over, down.
-      const std::array<Vector3d, 4> spine = {
-          Vector3d(s0, l0, 0.15 * top), Vector3d(s0, l0, 0.75 * rise) + 0.3 * length * out_dir,
-          Vector3d(s0, l0, rise) + 0.7 * length * out_dir, Vector3d(s0, l0, 0.75 * rise) + length * out_dir};
-      const std::array<double, 3> half_width = {0.5 * f.leaf_m, 0.5 * f.leaf_m, 0.3 * f.leaf_m};
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Vector3d step = 0.5 * (spine[k + 1] - spine[k]);
-        Vector3d normal = step.cross(wide);
-        normal.normalize();
-        if (normal.z() < 0.0) normal = -normal;
-        Leaf leaf;
-        Vector3d centre = 0.5 * (spine[k + 1] + spine[k]);
-        leaf.shape = Shape::blade;
-        const double facing = normal.dot(sun) / sun.z();
-        const double direct = facing > 0.0 ? facing : -kTransmitted * facing;
-        const auto light = static_cast<float>(direct + scene_.sun.diffuse * (0.4 + 0.6 * centre.z() / top));
-        leaf.colour = rgb(f.leaf_rgb) * light * static_cast<float>(random.uniform(0.8, 1.25));
-        centre.y() += row * f.spacing_m;
-        leaf.centre = centre.cast<float>();
-        leaf.along = step.cast<float>();
-        leaf.across = (half_width[k] * wide).cast<float>();
-        out.push_back(leaf);
-      }
+      turn += kPi + random.uniform(-0.6, 0.6);  // blades stand on alternate sides
+      const double age = (i + 0.5) / blades;    // the lowest, oldest blades are the longest and droop most
+      const double length = reach * size * (1.35 - 0.6 * age) * random.uniform(0.85, 1.15);
+      const double rise = top * size * (0.45 + 0.65 * age) * random.uniform(0.9, 1.1);
+      append_blade(foot, turn, length, rise, 0.5 * f.leaf_m * random.uniform(0.8, 1.2), sun, out);
     }
+  }
+}
+
+void Canopy::append_blade(const Vector3d& foot, double turn, double length, double rise, double half_width,
+                          const Vector3d& sun, std::vector<Leaf>& out) const {
+  constexpr int kCuts = 6;
+  const Vector3d forth(std::cos(turn), std::sin(turn), 0.0);
+  const Vector3d wide(-std::sin(turn), std::cos(turn), 0.0);
+  // Rises from the stalk, turns over at two thirds of its reach, and hangs.
+  const auto spine = [&](double t) -> Vector3d {
+    const double over = t / 0.66;
+    return foot + length * t * t * (1.5 - 0.5 * t) * forth +
+           Vector3d(0, 0, rise * (0.15 + 0.85 * over * (2.0 - over)));
+  };
+  const auto width = [&](double t) {
+    return half_width * std::sqrt(std::max(0.0, (0.25 + 3.0 * t) * (1.0 - t))) / 1.06;
+  };
+  for (int k = 0; k < kCuts; ++k) {
+    const double t0 = static_cast<double>(k) / kCuts, t1 = (k + 1.0) / kCuts;
+    const Vector3d from = spine(t0), to = spine(t1);
+    Vector3d normal = (to - from).cross(wide).normalized();
+    if (normal.z() < 0.0) normal = -normal;
+    const double facing = normal.dot(sun) / sun.z();
+    const double direct = std::clamp(facing > 0.0 ? facing : -kTransmitted * facing, 0.0, 1.6);
+    const double open =
+        0.45 + 0.55 * std::clamp(0.5 * (from.z() + to.z()) / scene_.field.row_height_m, 0.0, 1.0);
+    Leaf leaf;
+    leaf.shape = Shape::blade;
+    leaf.centre = (0.5 * (from + to)).cast<float>();
+    leaf.along = (0.5 * (to - from)).cast<float>();
+    leaf.across = (std::max(width(t0), 1e-4) * wide).cast<float>();
+    leaf.taper = static_cast<float>(width(t1) / std::max(width(t0), 1e-4));
+    leaf.colour = rgb(scene_.field.leaf_rgb)
+                      .cwiseProduct(kSunColour * static_cast<float>(direct) +
+                                    kSkyColour * static_cast<float>(scene_.sun.diffuse * open));
+    out.push_back(leaf);
   }
 }
 
@@ -488,9 +508,8 @@ struct HeightGrid {
 
 void drop_leaf(const Leaf& leaf, HeightGrid& grid) {
   static const auto kHexagon = hexagon_outline();
-  static const std::array<Eigen::Vector2f, 4> kSquare = {Eigen::Vector2f(-1, -1), Eigen::Vector2f(1, -1),
-                                                         Eigen::Vector2f(1, 1), Eigen::Vector2f(-1, 1)};
-  const Eigen::Vector2f* outline = leaf.shape == Shape::leaf ? kHexagon.data() : kSquare.data();
+  const std::array<Eigen::Vector2f, 4> blade = blade_outline(leaf.taper);
+  const Eigen::Vector2f* outline = leaf.shape == Shape::leaf ? kHexagon.data() : blade.data();
   const int corners = leaf.shape == Shape::leaf ? kHexagonCorners : 4;
   // The leaf's plane seen from above: invert (s, l) = centre + a along + b across.
   Eigen::Matrix2f axes;

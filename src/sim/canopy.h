@@ -15,7 +15,7 @@ inline const Eigen::Vector3f kSkyColour(0.82F, 0.98F, 1.25F);
 
 enum class Shape : std::uint8_t {
   leaf,   ///< lobed when large in the picture, a hexagon when small
-  blade,  ///< a parallelogram: corn blades, trunks, posts
+  blade,  ///< a trapezium: a length of a corn blade, a trunk or a post
 };
 
 /// A small flat thing in row coordinates (s, l, height above the soil).
@@ -23,6 +23,8 @@ struct Leaf {
   Eigen::Vector3f centre;
   Eigen::Vector3f along, across;  ///< half axes
   Shape shape = Shape::leaf;
+  float taper = 1.0F;  ///< of a blade: width at the far end of `along` over that at the near end, whose half
+                       ///< is `across`
   /// Blades carry their colour (linear radiance under the scene's sun); leaves are lit only when they are
   /// seen, by Canopy::light().
   Eigen::Vector3f colour;
@@ -113,6 +115,8 @@ class Canopy {
   Course append_vines(const Piece& piece, const Fit& fit, std::vector<Leaf>& out) const;
   void append_corn(int row, int piece, const Fit& fit, bool calibrating, double direction_rad,
                    std::vector<Leaf>& out) const;
+  void append_blade(const Eigen::Vector3d& foot, double turn, double length, double rise, double half_width,
+                    const Eigen::Vector3d& sun, std::vector<Leaf>& out) const;
   void append_wood(int row, int piece, double direction_rad, std::vector<Leaf>& out) const;
   Course course_of(const Piece& piece, const Fit& fit) const;
   Surface pick_surface(const Course& course, double part, bool with_inner, base::Random& random) const;
@@ -142,5 +146,6 @@ inline constexpr int kHexagonCorners = 6;
 inline constexpr int kLobedCorners = 10;
 std::array<Eigen::Vector2f, kHexagonCorners> hexagon_outline();
 std::array<Eigen::Vector2f, kLobedCorners> lobed_outline();
+std::array<Eigen::Vector2f, 4> blade_outline(float taper);
 
 }  // namespace furrow::sim

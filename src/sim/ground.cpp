@@ -97,13 +97,14 @@ Vector3f Backdrop::soil(double s, double l, double footprint_s, double footprint
   const Field& f = scene_.field;
   const double across = l - f.spacing_m * std::round(l / f.spacing_m);
   const double footprint = std::max(footprint_s, footprint_l);
-  constexpr std::array<Octave, 7> kClods = {{{3.1, 0.10F},
+  constexpr std::array<Octave, 8> kClods = {{{3.1, 0.10F},
                                              {1.1, 0.10F},
                                              {0.37, 0.11F},
-                                             {0.13, 0.13F},
-                                             {0.055, 0.15F},
-                                             {0.023, 0.15F},
-                                             {0.009, 0.12F}}};
+                                             {0.13, 0.15F},
+                                             {0.055, 0.20F},
+                                             {0.023, 0.24F},
+                                             {0.009, 0.24F},
+                                             {0.004, 0.15F}}};
   Vector3f colour(static_cast<float>(f.soil_rgb[0]), static_cast<float>(f.soil_rgb[1]),
                   static_cast<float>(f.soil_rgb[2]));
   colour *= 1.0F + texture(key_, s, l, footprint, kClods);

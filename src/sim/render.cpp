@@ -246,9 +246,8 @@ class Painter {
                const Vector3d& across, const Vector2f& middle) {
     static const auto kHexagon = hexagon_outline();
     static const auto kLobed = lobed_outline();
-    static const std::array<Vector2f, 4> kSquare = {Vector2f(-1, -1), Vector2f(1, -1), Vector2f(1, 1),
-                                                    Vector2f(-1, 1)};
-    std::span<const Vector2f> shape = kSquare;
+    const std::array<Vector2f, 4> blade = blade_outline(leaf.taper);
+    std::span<const Vector2f> shape = blade;
     if (leaf.shape == Shape::leaf && half_px > kLobed_px) {
       shape = kLobed;
     } else if (leaf.shape == Shape::leaf) {
