@@ -21,6 +21,9 @@ constexpr double kWindowShares[] = {0.25, 0.18, 0.12};
 /// Smaller squares than this leave no gradients of their own to each corner, px.
 constexpr double kSmallestSquarePx = 5.0;
 
+/// A tenth of a square is an order beyond what refined corners stray.
+constexpr double kLargestMisfit = 0.1;
+
 std::string size_name(int columns, int rows) {
   return std::to_string(columns) + "x" + std::to_string(rows);
 }
@@ -159,6 +162,10 @@ BoardDetection detect_board(const Image& picture, const BoardSpec& board, const 
     out.reason += what_was_seen(seen, board);
     return out;
   }
+  if (!seen.fault.empty()) {
+    out.reason = "a grid of " + wanted + " corners was found, but " + seen.fault;
+    return out;
+  }
   // First where it was found, then in the whole picture: a window of the right size must start within its
   // reach.
   Refined refined = refine(seen.grid, coarse.grey, 1.0);
@@ -166,7 +173,7 @@ BoardDetection detect_board(const Image& picture, const BoardSpec& board, const 
     refined = refine(scaled(refined.grid, coarse.su, coarse.sv), grey, noise_grey(grey));
   const Grid grid = oriented(refined.grid, board.corners_x, board.corners_y, grey);
   if (refined.fault.empty() && grid.px.empty()) refined.fault = "its squares overlap";
-  if (refined.fault.empty()) refined.fault = grid_fault(grid, grey);
+  if (refined.fault.empty()) refined.fault = grid_fault(grid, grey, kLargestMisfit);
   if (!refined.fault.empty()) {
     out.reason = "a grid of " + wanted + " corners was found, but " + refined.fault;
     return out;

@@ -9,7 +9,9 @@ namespace furrow::target {
 struct Found {
   Grid grid;                  ///< empty when none of the wanted size is there
   int columns = 0, rows = 0;  ///< the largest lattice seen, longer side first
-  bool complete = false;      ///< whether every corner of that lattice is there
+  std::string
+      fault;  ///< why `grid` is no checkerboard's (grid_fault), if every size of the picture gave such a one
+  bool complete = false;  ///< whether every corner of that lattice is there
 };
 
 /// Looks for columns x rows corners: saddles of brightness with four edges, joined along their edges into

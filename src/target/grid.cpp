@@ -148,7 +148,7 @@ Misfit plane_misfit(const Grid& grid, const Eigen::Vector2d& middle, double bend
 /// Largest distance of a corner from the board's homography and one coefficient of distortion plus a smooth
 /// rest, in squares. The rest is a cubic in the board's own coordinates: it takes up what other lenses and a
 /// bent board do; a corner that belongs elsewhere stays out.
-double largest_misfit(const Grid& grid, int width, int height) {
+double worst_misfit(const Grid& grid, int width, int height) {
   const Eigen::Vector2d middle(0.5 * (width - 1), 0.5 * (height - 1));
   const double half_diagonal_px = middle.norm();
   Misfit best;
@@ -226,13 +226,10 @@ Grid oriented(const Grid& grid, int columns, int rows, const Image& grey) {
   return *best;
 }
 
-std::string grid_fault(const Grid& grid, const Image& grey) {
+std::string grid_fault(const Grid& grid, const Image& grey, double largest_misfit) {
   if (common_turn(grid) == 0) return "its squares overlap";
-  // A tenth of a square is an order beyond what refined corners stray, and half of what a corner of the next
-  // thing would.
-  constexpr double kLargestMisfit = 0.1;
-  const double misfit = largest_misfit(grid, grey.width, grey.height);
-  if (misfit > kLargestMisfit) {
+  const double misfit = worst_misfit(grid, grey.width, grey.height);
+  if (misfit > largest_misfit) {
     return "a corner lies " + base::format_fixed(misfit, 2) +
            " squares from where the board's homography puts it";
   }

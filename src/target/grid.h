@@ -30,7 +30,9 @@ double nearest_neighbour_px(const Grid& grid, int i, int j);
 /// nor its transpose. `grey` decides which square before the first corner is black.
 Grid oriented(const Grid& grid, int columns, int rows, const Image& grey);
 
-/// Why this is not a checkerboard's grid, in words; empty when it is one.
-std::string grid_fault(const Grid& grid, const Image& grey);
+/// Why this is not a checkerboard's grid, in words; empty when it is one: squares that do not overlap,
+/// corners within `largest_misfit` squares of the board's homography and distortion, dark and bright by
+/// turns.
+std::string grid_fault(const Grid& grid, const Image& grey, double largest_misfit);
 
 }  // namespace furrow::target

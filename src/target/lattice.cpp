@@ -154,31 +154,67 @@ struct Prediction {
   double reach_px;
 };
 
-/// By continuing the line through (i, j) in the way (di, dj): two or three corners beyond the place, or one
-/// on each side.
-std::optional<Prediction> predict(const Lattice& lattice, int i, int j, int di, int dj) {
-  // A saddle this share of a square away is the corner: its neighbours are a whole square away.
-  constexpr double kReach = 0.3;
-  const auto a = corner_at(lattice, i + di, j + dj), b = corner_at(lattice, i + 2 * di, j + 2 * dj);
-  const auto c = corner_at(lattice, i + 3 * di, j + 3 * dj), across = corner_at(lattice, i - di, j - dj);
-  if (a && across) return Prediction{0.5 * (*a + *across), kReach * 0.5 * (*a - *across).norm()};
-  if (a && b && c) return Prediction{3.0 * *a - 3.0 * *b + *c, kReach * (*a - *b).norm()};
-  if (a && b) return Prediction{2.0 * *a - *b, kReach * (*a - *b).norm()};
-  return std::nullopt;
+/// A saddle this share of a square from its predicted place is the corner: its neighbours are a whole square
+/// away. Between two corners the prediction is better than beyond them.
+constexpr double kReachBetween = 0.2, kReachBeyond = 0.3;
+
+/// Distance from a corner to the nearest of those beside it, px.
+double spacing_at(const Lattice& lattice, int i, int j) {
+  double nearest = std::numeric_limits<double>::infinity();
+  const auto own = corner_at(lattice, i, j);
+  for (const auto& [di, dj] : kWays) {
+    const auto other = corner_at(lattice, i + di, j + dj);
+    if (own && other) nearest = std::min(nearest, (*other - *own).norm());
+  }
+  return nearest;
 }
 
+/// From the corners on both sides of (i, j) in the way (di, dj).
+std::optional<Prediction> predict_between(const Lattice& lattice, int i, int j, int di, int dj) {
+  const auto a = corner_at(lattice, i + di, j + dj), b = corner_at(lattice, i - di, j - dj);
+  if (!a || !b) return std::nullopt;
+  const double spacing = std::min(0.5 * (*a - *b).norm(), spacing_at(lattice, i + di, j + dj));
+  return Prediction{0.5 * (*a + *b), kReachBetween * spacing};
+}
+
+/// By continuing the line of two or three corners that ends before (i, j).
+std::optional<Prediction> predict_beyond(const Lattice& lattice, int i, int j, int di, int dj) {
+  const auto a = corner_at(lattice, i + di, j + dj), b = corner_at(lattice, i + 2 * di, j + 2 * dj);
+  const auto c = corner_at(lattice, i + 3 * di, j + 3 * dj);
+  if (!a || !b) return std::nullopt;
+  return Prediction{c ? Eigen::Vector2d(3.0 * *a - 3.0 * *b + *c) : Eigen::Vector2d(2.0 * *a - *b),
+                    kReachBeyond * spacing_at(lattice, i + di, j + dj)};
+}
+
+/// The saddle in a hole; between two corners also the place itself where blur leaves no saddle, for the
+/// refinement to decide on.
 std::optional<Eigen::Vector2d> corner_in_hole(const Lattice& lattice, const std::vector<Saddle>& saddles,
                                               int i, int j) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  int count = 0;
+  for (const auto& [di, dj] : {std::pair{1, 0}, {0, 1}}) {
+    const auto between = predict_between(lattice, i, j, di, dj);
+    if (!between) continue;
+    if (const auto px = saddle_near(saddles, between->px, between->reach_px)) return px;
+    sum += between->px;
+    ++count;
+  }
+  if (count > 0) return Eigen::Vector2d(sum / count);
   for (const auto& [di, dj] : kWays) {
-    const auto prediction = predict(lattice, i, j, di, dj);
-    if (!prediction) continue;
-    if (const auto px = saddle_near(saddles, prediction->px, prediction->reach_px)) return px;
+    const auto beyond = predict_beyond(lattice, i, j, di, dj);
+    if (!beyond) continue;
+    if (const auto px = saddle_near(saddles, beyond->px, beyond->reach_px)) return px;
   }
   return std::nullopt;
 }
 
+/// Holes that may be filled, as a share of the corners seen: more are another thing's.
+constexpr double kMostHoles = 0.15;
+
 void fill_holes(Lattice& lattice, const std::vector<Saddle>& saddles) {
   const Extent e = extent(lattice);
+  const double holes = e.columns * e.rows - static_cast<double>(lattice.size());
+  if (holes > kMostHoles * static_cast<double>(lattice.size())) return;
   // Each round may enable the next; no board needs more than its longer side.
   for (int round = 0; round < std::max(e.columns, e.rows); ++round) {
     bool any = false;
@@ -232,13 +268,45 @@ bool extend(Lattice& lattice, const std::vector<Saddle>& saddles, int di, int dj
   for (int n = 0; n < count; ++n) {
     const int i = di == 0 ? e.i0 + n : (di > 0 ? e.i0 + e.columns : e.i0 - 1);
     const int j = dj == 0 ? e.j0 + n : (dj > 0 ? e.j0 + e.rows : e.j0 - 1);
-    const auto prediction = predict(lattice, i, j, -di, -dj);
+    const auto prediction = predict_beyond(lattice, i, j, -di, -dj);
     const auto px = prediction ? saddle_near(saddles, prediction->px, prediction->reach_px) : std::nullopt;
     if (!px) return false;
     added[{i, j}] = *px;
   }
   lattice.insert(added.begin(), added.end());
   return true;
+}
+
+/// How far a corner lies from the middle between its neighbours, as a share of their distance; 0 where it has
+/// no two opposite ones.
+double kink(const Lattice& lattice, const std::pair<int, int>& place) {
+  double worst = 0.0;
+  for (const auto& [di, dj] : {std::pair{1, 0}, {0, 1}}) {
+    const auto a = corner_at(lattice, place.first + di, place.second + dj);
+    const auto b = corner_at(lattice, place.first - di, place.second - dj);
+    if (!a || !b) continue;
+    worst = std::max(worst, (lattice.at(place) - 0.5 * (*a + *b)).norm() / (0.5 * (*a - *b).norm()));
+  }
+  return worst;
+}
+
+/// Takes off the corners that bend the lattice most, worst first: a stain between two corners, joined by
+/// chance. What perspective and a lens do between neighbours stays well below the limit.
+void take_off_kinks(Lattice& lattice) {
+  constexpr double kLargestKink = 0.3;
+  while (true) {
+    auto worst = lattice.end();
+    double largest = kLargestKink;
+    for (auto it = lattice.begin(); it != lattice.end(); ++it) {
+      const double own = kink(lattice, it->first);
+      if (own > largest) {
+        largest = own;
+        worst = it;
+      }
+    }
+    if (worst == lattice.end()) return;
+    lattice.erase(worst);
+  }
 }
 
 bool fits_within(const Extent& e, int columns, int rows) {
@@ -272,6 +340,7 @@ std::vector<Lattice> join_seeds(const SmoothGrey& grey, const std::vector<Corner
 }
 
 Lattice completed(Lattice lattice, const std::vector<Saddle>& saddles, int columns, int rows) {
+  take_off_kinks(lattice);
   while (!lattice.empty() && trim_once(lattice)) {
   }
   fill_holes(lattice, saddles);

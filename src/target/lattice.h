@@ -19,8 +19,9 @@ struct Extent {
 };
 Extent extent(const Lattice& lattice);
 
-/// Takes off outer rows and columns that are less than half full, puts saddles into holes, and, while the
-/// lattice is smaller than columns x rows either way round, adds outer rows all of whose corners are there.
+/// Takes off corners that do not lie between their neighbours and outer rows and columns that are less than
+/// half full, puts saddles into holes, and, while the lattice is smaller than columns x rows either way
+/// round, adds outer rows all of whose corners are there.
 Lattice completed(Lattice lattice, const std::vector<Saddle>& saddles, int columns, int rows);
 
 }  // namespace furrow::target

@@ -142,7 +142,8 @@ std::vector<Saddle> find_saddles(const SmoothGrey& grey) {
     for (int u = 2; u + 2 < grey.width; ++u) {
       const float own = strength[static_cast<std::size_t>(v) * static_cast<std::size_t>(grey.width) +
                                  static_cast<std::size_t>(u)];
-      if (static_cast<double>(own) < kWeakestSaddle || !is_local_maximum(strength, grey.width, u, v)) continue;
+      if (static_cast<double>(own) < kWeakestSaddle || !is_local_maximum(strength, grey.width, u, v))
+        continue;
       const Hessian h = hessian(grey, u, v);
       // Where the gradient of the local quadratic vanishes; det = -strength.
       const Eigen::Vector2d step(-(h.vv * h.u - h.uv * h.v) / -h.strength(),
