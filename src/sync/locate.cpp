@@ -130,6 +130,7 @@ std::optional<Times> by_pattern(const std::vector<Shot>& shots, const std::vecto
     return *shots[a].t_camera_local_ns < *shots[b].t_camera_local_ns;
   });
   std::vector<Nanoseconds> local;
+  local.reserve(timed.size());
   for (const std::size_t i : timed) local.push_back(*shots[i].t_camera_local_ns);
   std::set<std::vector<std::size_t>> choices;
   for (std::size_t first = 0; first + timed.size() <= marks.size(); ++first)
@@ -151,6 +152,7 @@ Times by_count(const std::vector<Shot>& shots, const std::vector<Nanoseconds>& m
         "the pictures' names are not in the order of their times; they were put to the photo marks by time");
   if (count_shots(shots, has_local) != shots.size()) return times;
   std::vector<Nanoseconds> difference;
+  difference.reserve(order.size());
   for (std::size_t i = 0; i < order.size(); ++i)
     difference.push_back(marks[i] - *shots[order[i]].t_camera_local_ns);
   auto sorted = difference;

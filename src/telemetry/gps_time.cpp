@@ -34,7 +34,7 @@ Nanoseconds utc_from_gps(Nanoseconds t_gps_ns) {
 }
 
 Nanoseconds gps_time(int week, double seconds) {
-  return kGpsEpoch_ns + week * 7 * kDay_ns + base::seconds_to_ns(seconds);
+  return kGpsEpoch_ns + Nanoseconds{week} * 7 * kDay_ns + base::seconds_to_ns(seconds);
 }
 
 }  // namespace furrow::telemetry::reader

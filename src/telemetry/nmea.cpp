@@ -37,7 +37,8 @@ std::optional<Nanoseconds> time_of_day(std::string_view text) {
   const auto value = base::parse_double(text);
   if (!value || text.size() < 6 || !(*value >= 0.0 && *value < 240000.0)) return std::nullopt;
   const int whole = static_cast<int>(*value);
-  const double seconds = *value - 100.0 * (whole / 100);
+  const int whole_minutes = whole / 100;
+  const double seconds = *value - 100.0 * whole_minutes;
   return (whole / 10000 * 3600 + whole / 100 % 100 * 60) * kNanosecondsPerSecond +
          base::seconds_to_ns(seconds);
 }

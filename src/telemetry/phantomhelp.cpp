@@ -67,7 +67,7 @@ std::optional<base::Nanoseconds> parse_local(std::string_view date, std::string_
   std::string clock = base::to_lower(base::trim(time));
   base::Nanoseconds half_day_ns = 0;
   if (clock.ends_with("am") || clock.ends_with("pm")) {
-    constexpr base::Nanoseconds kHalfDay_ns = 12 * 3600 * base::kNanosecondsPerSecond;
+    constexpr base::Nanoseconds kHalfDay_ns = base::Nanoseconds{12} * 3600 * base::kNanosecondsPerSecond;
     const bool twelve = clock.starts_with("12:");
     if (clock.ends_with("pm") && !twelve) half_day_ns = kHalfDay_ns;
     if (clock.ends_with("am") && twelve) half_day_ns = -kHalfDay_ns;
@@ -88,6 +88,7 @@ std::optional<Offset> median_offset(const std::vector<base::Nanoseconds>& differ
   if (differences_ns.empty()) return std::nullopt;
   // Seconds from the first one: a double keeps the nanoseconds.
   std::vector<double> from_first_s;
+  from_first_s.reserve(differences_ns.size());
   for (const base::Nanoseconds d : differences_ns)
     from_first_s.push_back(base::ns_to_seconds(d - differences_ns.front()));
   return Offset{differences_ns.front() + base::seconds_to_ns(stats::median(from_first_s)),
