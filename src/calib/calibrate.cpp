@@ -231,6 +231,11 @@ void fill_covariance(const Round& round, const CalibrateOptions& options, Calibr
   const Eigen::Index n = round.model.intrinsics_count();
   // Equal both sides of the diagonal to the last bit, so that it reads back the same from rows or columns.
   out.camera.covariance = 0.5 * (full.topLeftCorner(n, n) + full.topLeftCorner(n, n).transpose());
+  Eigen::MatrixXd lens_and_drift = Eigen::MatrixXd::Zero(n + 6, shared.rows() + 6);
+  lens_and_drift.topLeftCorner(n, shared.rows()) = round.model.basis.topRows(n);
+  lens_and_drift.bottomRightCorner<6, 6>().setIdentity();
+  out.drift_covariance = out.sigma0_px * out.sigma0_px * lens_and_drift *
+                         drift_covariance(info, round.solved, shared) * lens_and_drift.transpose();
   const Eigen::Vector2d warp_m = warp_of(round.model, round.solved.shared);
   if (options.solve_aspect) {
     out.board_aspect = {board_of(round.model, round.solved.shared).aspect, std::sqrt(full(n, n)),

@@ -105,6 +105,18 @@ Eigen::Vector3d warped_corner(const target::BoardSpec& board, const Eigen::Vecto
           warp_m.x() * bend(i, board.corners_x) + warp_m.y() * bend(j, board.corners_y)};
 }
 
+Eigen::Matrix<double, 6, 6> drift_of_pose(const PoseVector& pose) {
+  // R(v + d) = R exp(J d) = exp(R J d) R; and a turn about the camera moves the board's origin, which the
+  // shift takes back.
+  const Eigen::Matrix3d turn =
+      geom::rotation_from_vector(pose.head<3>()).toRotationMatrix() * right_jacobian(pose.head<3>());
+  Eigen::Matrix<double, 6, 6> out = Eigen::Matrix<double, 6, 6>::Zero();
+  out.topLeftCorner<3, 3>() = turn;
+  out.bottomLeftCorner<3, 3>() = cross_matrix(pose.tail<3>()) * turn;
+  out.bottomRightCorner<3, 3>().setIdentity();
+  return out;
+}
+
 bool evaluate_view(const SharedModel& model, const Eigen::VectorXd& shared, const PoseVector& pose,
                    const std::vector<Eigen::Vector2d>& observed_px, const std::vector<double>& weight,
                    double* residual, double* d_shared, double* d_pose) {

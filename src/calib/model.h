@@ -46,6 +46,9 @@ using PoseVector = Eigen::Matrix<double, 6, 1>;
 PoseVector pose_vector(const Rigid3& cam_from_board);
 Rigid3 pose_of(const PoseVector& pose);
 
+/// d(turn, shift) / d(pose vector): a point x_in_cam that moves with the board moves by turn x x + shift.
+Eigen::Matrix<double, 6, 6> drift_of_pose(const PoseVector& pose);
+
 /// Residuals projected - observed, px, x and y in turn, and their derivatives, row-major so that Ceres can
 /// own the memory.
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

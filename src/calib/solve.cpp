@@ -97,4 +97,24 @@ Information information(const SharedModel& model, const Solved& solved, const st
   return out;
 }
 
+Eigen::MatrixXd drift_covariance(const Information& information, const Solved& solved,
+                                 const Eigen::MatrixXd& shared_covariance) {
+  const Eigen::Index m = shared_covariance.rows();
+  const double share = 1.0 / static_cast<double>(solved.poses.size());
+  // A pose follows the shared parameters by -tie and scatters about that by its own inverse.
+  Eigen::Matrix<double, 6, Eigen::Dynamic> follows = Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, m);
+  Eigen::Matrix<double, 6, 6> scatter = Eigen::Matrix<double, 6, 6>::Zero();
+  for (std::size_t i = 0; i < solved.poses.size(); ++i) {
+    const Eigen::Matrix<double, 6, 6> drift = drift_of_pose(solved.poses[i]);
+    follows -= share * drift * information.pose_tie[i];
+    scatter += share * share * drift * information.pose_inverse[i] * drift.transpose();
+  }
+  Eigen::MatrixXd out(m + 6, m + 6);
+  out.topLeftCorner(m, m) = shared_covariance;
+  out.bottomLeftCorner(6, m) = follows * shared_covariance;
+  out.topRightCorner(m, 6) = out.bottomLeftCorner(6, m).transpose();
+  out.bottomRightCorner<6, 6>() = follows * shared_covariance * follows.transpose() + scatter;
+  return out;
+}
+
 }  // namespace furrow::calib

@@ -41,4 +41,8 @@ struct Information {
 };
 Information information(const SharedModel& model, const Solved& solved, const std::vector<SolveView>& views);
 
+/// Unscaled covariance of (shared, mean turn, mean shift of the boards in cam), given that of `shared`.
+Eigen::MatrixXd drift_covariance(const Information& information, const Solved& solved,
+                                 const Eigen::MatrixXd& shared_covariance);
+
 }  // namespace furrow::calib

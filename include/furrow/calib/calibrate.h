@@ -58,7 +58,10 @@ struct Calibration {
   /// covariance.
   double sigma0_px = 0.0;
   int degrees_of_freedom = 0;  ///< 2 corners - parameters, poses counted
-  Estimate board_aspect;       ///< observations 0 when it was not solved
+  /// Covariance of (intrinsics, mean turn of the boards as seen from the camera in rad, their mean shift in
+  /// m): all that projection uncertainty needs of the poses. 0 x 0 when unknown.
+  Eigen::MatrixXd drift_covariance;
+  Estimate board_aspect;  ///< observations 0 when it was not solved
   Estimate
       board_warp_x_m;  ///< height of the board's middle over its ends along x; observations 0 when not solved
   Estimate board_warp_y_m;

@@ -1,0 +1,25 @@
+#pragma once
+#include <Eigen/Core>
+#include <optional>
+
+#include "furrow/calib/calibrate.h"
+
+namespace furrow::calib {
+
+/// Covariance (px^2) of where a point projects that is seen at `px` from `distance_m` along its ray (infinity
+/// allowed: a direction), by mrcal's definition: the point keeps its place among the boards, so what a change
+/// of the lens and a change of the poses have in common drops out (docs/formulation/calibration.md, eq. 7).
+/// Grows away from where the boards were, in the picture and in depth. Nothing where the camera has no ray
+/// for `px` or the calibration no covariance.
+std::optional<Eigen::Matrix2d> projection_covariance(const Calibration& calibration,
+                                                     const Eigen::Vector2d& px, double distance_m);
+
+/// Standard deviation in the worst direction, px: the number that mrcal's maps show.
+std::optional<double> projection_sigma_px(const Calibration& calibration, const Eigen::Vector2d& px,
+                                          double distance_m);
+
+/// One-sigma height error, in percent of the height, that the focal length alone causes: a height from a
+/// known length on the ground goes with f one to one. Nothing without a covariance.
+std::optional<double> height_error_percent(const Camera& camera);
+
+}  // namespace furrow::calib
