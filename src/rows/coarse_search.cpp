@@ -16,8 +16,7 @@ constexpr float kLevels = 64.0F;  // levels of a strip's standard deviation in t
 
 /// Horizons tried, as convergences: denser where the horizon is near the picture's top, since there it
 /// matters most.
-constexpr std::array kConvergences = {-0.2, 0.0,  0.15, 0.3,  0.42, 0.54, 0.64, 0.72,
-                                      0.8,  0.88, 0.96, 1.06, 1.2,  1.4,  1.7,  2.1};
+constexpr std::array kConvergences = {-0.15, 0.0, 0.2, 0.38, 0.54, 0.67, 0.78, 0.88, 0.98, 1.12, 1.4, 1.9};
 
 constexpr double kSteepestTan = 1.75;  // rows up to 60 deg from vertical in a view straight down
 
@@ -92,7 +91,7 @@ void align(const Rectified& rectified, double slope, double bend, Aligned& out) 
   constexpr int bins = static_cast<int>(kBins);
   for (const Line& line : rectified.lines) {
     const double shift = line.y * (slope + line.y * bend) / rectified.bin_px;
-    const int offset = std::clamp(bins + static_cast<int>(std::lround(shift)), 0, 2 * bins);
+    const int offset = static_cast<int>(std::clamp(shift + bins + 0.5, 0.0, 2.0 * bins));
     const std::int16_t* value = line.value.data() + offset;
     for (std::size_t i = 0; i < kBins; ++i) out.sum[i] = static_cast<std::int16_t>(out.sum[i] + value[i]);
     steps[static_cast<std::size_t>(std::clamp(line.first - offset, 0, bins))] += line.weight;
@@ -129,7 +128,7 @@ std::vector<Sheared> best_shears(const Strips& strips, const Rectified& rectifie
   // straight down.
   const double g = std::abs(rectified.convergence);
   const double most = std::max(g * strips.width, kSteepestTan * strips.height * std::max(0.0, 1.0 - g));
-  const double step = 3.0 * rectified.bin_px / depth;  // the farthest strip moves by three bins
+  const double step = 4.0 * rectified.bin_px / depth;  // the farthest strip moves by four bins
   const int steps = static_cast<int>(std::ceil(most / step));
   std::vector<Sheared> all;
   Aligned aligned;
@@ -162,16 +161,14 @@ struct Folded {
 /// Folds an aligned sum over one spacing; the phase and width of the tooth that explain most.
 Folded fold(const Aligned& aligned, double bin_px, double spacing) {
   std::array<float, kPhases> sum{}, weight{};
-  const float step = static_cast<float>(bin_px / spacing * static_cast<double>(kPhases));
-  const float phases = static_cast<float>(kPhases);
-  float phase = std::fmod(-0.5F * static_cast<float>(kBins) * step, phases) + phases;
-  for (std::size_t i = 0; i < kBins; ++i) {
-    if (phase >= phases) phase -= phases;
-    if (phase >= phases) phase = std::fmod(phase, phases);
-    const auto bin = std::min(static_cast<std::size_t>(phase), kPhases - 1);
+  // Phases as 16.16 fixed point of a period: they wrap by themselves.
+  const double start = -0.5 * static_cast<double>(kBins) * bin_px / spacing;
+  auto phase = static_cast<std::uint32_t>(std::llround((start - std::floor(start)) * 65536.0) * 65536);
+  const auto step = static_cast<std::uint32_t>(std::llround(bin_px / spacing * 4294967296.0));
+  for (std::size_t i = 0; i < kBins; ++i, phase += step) {
+    const std::size_t bin = (static_cast<std::uint64_t>(phase) * kPhases) >> 32U;
     sum[bin] += static_cast<float>(aligned.sum[i]);
     weight[bin] += aligned.weight[i];
-    phase += step;
   }
   std::array<float, 2 * kPhases + 1> sum_before{}, weight_before{};
   for (std::size_t i = 0; i < 2 * kPhases; ++i) {
@@ -181,22 +178,22 @@ Folded fold(const Aligned& aligned, double bin_px, double spacing) {
   const float total_sum = sum_before[kPhases], total_weight = weight_before[kPhases];
   Folded best;
   float best_score = 0.0F;
-  for (const std::size_t width : {3, 5, 8, 12}) {
+  for (const std::size_t width : {3, 6, 11}) {
+    // Contrast c between tooth and rest explains c^2 in out / total; written without the divisions that
+    // cancel.
+    std::array<float, kPhases> score{};
     for (std::size_t first = 0; first < kPhases; ++first) {
-      const float in_sum = sum_before[first + width] - sum_before[first],
-                  in_weight = weight_before[first + width] - weight_before[first];
-      const float out_weight = total_weight - in_weight;
-      // Contrast c between tooth and rest explains c^2 in out / total; written without the divisions that
-      // cancel.
-      const float excess = in_sum * total_weight - total_sum * in_weight;
-      if (excess <= 0.0F || in_weight <= 0.0F || out_weight <= 0.0F) continue;
-      const float score = excess * excess / (in_weight * out_weight * total_weight);
-      if (score <= best_score) continue;
-      best_score = score;
-      best.offset = (static_cast<double>(first) + 0.5 * static_cast<double>(width)) /
-                    static_cast<double>(kPhases) * spacing;
-      best.tooth = static_cast<double>(width) / static_cast<double>(kPhases);
+      const float in_sum = sum_before[first + width] - sum_before[first];
+      const float in_weight = weight_before[first + width] - weight_before[first];
+      const float excess = std::max(0.0F, in_sum * total_weight - total_sum * in_weight);
+      score[first] = excess * excess / (in_weight * (total_weight - in_weight) * total_weight + 1e-3F);
     }
+    const auto top = std::max_element(score.begin(), score.end());
+    if (*top <= best_score) continue;
+    best_score = *top;
+    best.offset = (static_cast<double>(top - score.begin()) + 0.5 * static_cast<double>(width)) /
+                  static_cast<double>(kPhases) * spacing;
+    best.tooth = static_cast<double>(width) / static_cast<double>(kPhases);
   }
   best.score = static_cast<double>(best_score);
   return best;

@@ -17,6 +17,12 @@ constexpr float kPeakSigmas = 3.0F;
 /// More rows than these on each side of the middle add nothing but the distance of far planter passes.
 constexpr int kMostRows = 12;
 
+/// Floor by truncation: without SSE 4.1 std::floor is a call, and this stands in the innermost loop.
+int whole_below(float x) {
+  const int whole = static_cast<int>(x);
+  return whole - (static_cast<float>(whole) > x ? 1 : 0);
+}
+
 void standardise(std::vector<float>& profile, int window, std::vector<float>& running) {
   const int width = static_cast<int>(profile.size());
   running.assign(profile.size() + 1, 0.0F);
@@ -143,15 +149,23 @@ double comb_score(const Response& response, const PlanarField& field, const Emph
     weight[static_cast<std::size_t>(i + kMostRows)] = static_cast<float>(1.0 / (1.0 + off * off));
   }
   float total = 0.0F;
-  const float right = static_cast<float>(response.width - 1);
+  const float right = static_cast<float>(response.width - 1),
+              least = static_cast<float>(emphasis.least_scale);
+  const float g = static_cast<float>(field.convergence), spacing0 = static_cast<float>(field.spacing);
+  const float offset = static_cast<float>(field.offset + middle * field.spacing),
+              slope = static_cast<float>(field.slope);
+  const float bend = static_cast<float>(field.bend), bend2 = static_cast<float>(field.bend2),
+              u0 = static_cast<float>(field.u0);
+  const float v0 = static_cast<float>(field.v0), per_length = static_cast<float>(1.0 / field.length);
   for (std::size_t j = 0; j < response.v.size(); ++j) {
-    const double v = static_cast<double>(response.v[j]), scale = field.scale(v);
-    if (scale < emphasis.least_scale || response.fade[j] <= 0.0F) continue;
-    const float spacing = static_cast<float>(field.spacing * scale);
-    if (spacing <= kLeastSpacingPx) continue;
-    const float centre = static_cast<float>(field.u_at(v, middle));
-    const int first = std::max(-kMostRows, static_cast<int>(std::ceil(-centre / spacing)));
-    const int last = std::min(kMostRows, static_cast<int>(std::floor((right - centre) / spacing)));
+    // PlanarField::u_at in single precision: this is the innermost loop of the search.
+    const float t = (response.v[j] - v0) * per_length, scale = 1.0F + g * t;
+    const float spacing = spacing0 * scale;
+    if (scale < least || response.fade[j] <= 0.0F || spacing <= kLeastSpacingPx) continue;
+    const float y = t / scale, centre = u0 + scale * (offset + y * (slope + y * (bend + y * bend2)));
+    const float per_spacing = 1.0F / spacing;
+    const int first = std::max(-kMostRows, -whole_below(centre * per_spacing));
+    const int last = std::min(kMostRows, whole_below((right - centre) * per_spacing));
     float sum = 0.0F, weights = 0.0F;
     for (int i = first; i <= last; ++i) {
       const float w = weight[static_cast<std::size_t>(i + kMostRows)];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "furrow/base/text.h"
 #include "rows/field_search.h"
 #include "rows/green_map.h"
 #include "rows/index_rows.h"
@@ -34,6 +35,23 @@ RowLine row_of(const CommonModel& model, int k, int width, const std::vector<dou
   return row;
 }
 
+RowLines no_rows(RowLines lines, double score, double least_score) {
+  lines.rows.clear();
+  lines.field.reset();
+  lines.vanishing_point_px.reset();
+  lines.status = "no_rows";
+  lines.reason = "no pattern of rows: score " + base::format_double(std::round(1e3 * score) / 1e3) +
+                 ", wanted " + base::format_double(least_score) + " or more";
+  return lines;
+}
+
+/// Probability that the rows are right, by a logistic fitted to the development halves of CRBD and CRDLD and
+/// to the same pictures with their blocks shuffled (docs/formulation/rows.md).
+double confidence_of(double score) {
+  constexpr double kEven = 0.14, kScale = 0.04;
+  return 1.0 / (1.0 + std::exp(-(score - kEven) / kScale));
+}
+
 }  // namespace
 
 RowLines detect_field(const Image& picture, const DetectOptions& options) {
@@ -53,11 +71,8 @@ RowLines detect_field(const Image& picture, const DetectOptions& options) {
     priors.horizon_sigma = std::max(options.priors.horizon_sigma_px / map.scale_v, 1.0);
   }
   const auto found = search_field(map, priors);
-  if (!found) {
-    lines.status = "no_rows";
-    lines.reason = "the picture shows no pattern of rows";
-    return lines;
-  }
+  if (!found || found->score < options.least_score)
+    return no_rows(lines, found ? found->score : 0.0, options.least_score);
   const CommonModel model(*found, map);
   const PlanarField& field = model.field();
   lines.field = field;
@@ -80,8 +95,9 @@ RowLines detect_field(const Image& picture, const DetectOptions& options) {
   const bool is_fine = static_cast<double>(picture.width) * picture.height <= kSearchPixels;
   shape_rows(is_fine ? map : green_map(picture, kShapePixels), model, lines.rows);
   index_rows(lines);
-  lines.status = lines.rows.empty() ? "no_rows" : "ok";
-  lines.confidence = std::clamp(found->score, 0.0, 1.0);
+  if (lines.rows.empty()) return no_rows(lines, found->score, options.least_score);
+  lines.status = "ok";
+  lines.confidence = confidence_of(found->score);
   return lines;
 }
 

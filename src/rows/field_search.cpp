@@ -133,7 +133,7 @@ void add_transitions(const std::vector<Step>& below, float stiffness, std::vecto
 
 FollowedField follow(const Response& response, const PlanarField& field, double centre_k, double reach) {
   constexpr double kStiffness =
-      0.3;  // of a state's step between strips at the bottom, in units of the response
+      1.0;  // of a state's step between strips at the bottom, in units of the response
   constexpr double kLeastScale = 0.04;
   constexpr std::size_t kSmooth = 4;  // strips on each side
   constexpr double kKept =
@@ -211,9 +211,8 @@ PlanarField fit_to(const FollowedField& followed, const PlanarField& start) {
 // ---- The whole search
 // ------------------------------------------------------------------------------------------------------------
 
-double best_tooth(const Strips& strips, const PlanarField& field, double& score) {
-  double tooth = 0.3;
-  score = -1.0;
+double best_tooth(const Strips& strips, const PlanarField& field) {
+  double tooth = 0.3, score = -1.0;
   for (const double width : {0.12, 0.2, 0.3, 0.42, 0.55}) {
     const double one = comb_score(respond(strips, field, width), field, {});
     if (one > score) score = one, tooth = width;
@@ -224,8 +223,8 @@ double best_tooth(const Strips& strips, const PlanarField& field, double& score)
 /// Coarse trials refined on coarse strips; the best few that differ.
 std::vector<FoundField> refine_trials(const Strips& strips, const std::vector<Trial>& trials,
                                       const SearchPriors& priors) {
-  constexpr std::size_t kTried = 10, kKept = 3;
-  constexpr int kCalls = 120;
+  constexpr std::size_t kTried = 8, kKept = 3;
+  constexpr int kCalls = 90;
   std::vector<FoundField> found;
   for (std::size_t i = 0; i < std::min(kTried, trials.size()); ++i) {
     FoundField one;
@@ -243,13 +242,13 @@ std::vector<FoundField> refine_trials(const Strips& strips, const std::vector<Tr
 }
 
 /// From the near part of the field to the far one.
-void grow(const Strips& strips, const SearchPriors& priors, FoundField& found) {
-  constexpr int kCalls = 150;
-  for (const double least_scale : {0.2, 0.12, 0.05}) {
+void grow(const Strips& coarse, const Strips& strips, const SearchPriors& priors, FoundField& found) {
+  constexpr int kCalls = 110;
+  for (const double least_scale : {0.2, 0.05}) {
     const Response response = respond(strips, found.field, found.tooth);
     found.field = refine(response, found.field, {.least_scale = least_scale}, 0.12, kCalls, priors);
   }
-  found.tooth = best_tooth(strips, found.field, found.score);
+  found.tooth = best_tooth(coarse, found.field);
   found.field = refine(respond(strips, found.field, found.tooth), found.field, {}, 0.05, kCalls, priors);
   found.score = comb_score(respond(strips, found.field, found.tooth), found.field, {}) *
                 evidence_part(mean_row_count(strips, found.field));
@@ -259,7 +258,7 @@ void grow(const Strips& strips, const SearchPriors& priors, FoundField& found) {
 /// or less than a spacing, so far rows pull the model off the near ones.
 void settle(const Strips& strips, const SearchPriors& priors, FoundField& found) {
   constexpr double kReach = 2.0;  // rows
-  constexpr int kCalls = 300;
+  constexpr int kCalls = 200;
   const Emphasis near{.centre_k = found.field.k_at(found.field.u0, 0.7 * strips.height), .reach = kReach};
   const auto settled = [&](PlanarField field) {
     for (int round = 0; round < 2; ++round)
@@ -287,7 +286,7 @@ std::optional<FoundField> search_field(const GreenMap& map, const SearchPriors& 
   std::vector<FoundField> found = refine_trials(coarse, trials, priors);
   if (found.empty()) return std::nullopt;
   const Strips fine = make_strips(map, std::max(1, map.height / kFineStrips));
-  for (FoundField& one : found) grow(fine, priors, one);
+  for (FoundField& one : found) grow(coarse, fine, priors, one);
   FoundField best = *std::max_element(
       found.begin(), found.end(), [](const FoundField& a, const FoundField& b) { return a.score < b.score; });
   settle(fine, priors, best);
