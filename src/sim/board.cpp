@@ -111,16 +111,25 @@ LightImage light_board(const Scene& scene, const RayTable& rays, const Rigid3& c
     return hit.z() > 0.0 ? sheet(b, hit.head<2>() / hit.z()) : kWall;
   };
   LightImage light(width, height);
+  // What the pixels' corners see, along the upper and the lower border of one picture row: equal at all four,
+  // no edge is in the pixel.
+  std::vector<double> upper(static_cast<std::size_t>(width) + 1), lower(upper.size());
+  const auto see_border = [&](std::vector<double>& border, double v) {
+    for (int u = 0; u <= width; ++u) border[static_cast<std::size_t>(u)] = at(rays.at(u - 0.5, v));
+  };
+  see_border(lower, -0.5);
   for (int v = 0; v < height; ++v) {
+    std::swap(upper, lower);
+    see_border(lower, v + 0.5);
     for (int u = 0; u < width; ++u) {
-      const double corner = at(rays.at(u - 0.5, v - 0.5));
-      const bool plain = corner == at(rays.at(u + 0.5, v - 0.5)) && corner == at(rays.at(u - 0.5, v + 0.5)) &&
-                         corner == at(rays.at(u + 0.5, v + 0.5)) && corner == at(rays.pixel(u, v));
+      const auto i = static_cast<std::size_t>(u);
+      const double corner = upper[i];
+      const bool plain = corner == upper[i + 1] && corner == lower[i] && corner == lower[i + 1];
       double value = corner;
       if (!plain) {
         value = 0.0;
-        for (int i = 0; i < kFine * kFine; ++i) {
-          value += at(rays.at(u + (i % kFine + 0.5) / kFine - 0.5, v + (i / kFine + 0.5) / kFine - 0.5)) /
+        for (int k = 0; k < kFine * kFine; ++k) {
+          value += at(rays.at(u + (k % kFine + 0.5) / kFine - 0.5, v + (k / kFine + 0.5) / kFine - 0.5)) /
                    (kFine * kFine);
         }
       }

@@ -35,6 +35,7 @@ constexpr double kFitLength_m = 40.0;   // row length on which a silhouette is m
 constexpr double kSunwards_m = 0.06;    // from a wall to its sunward side
 constexpr double kHiddenFrom = 0.25;    // depth from which a far wall is out of sight
 constexpr int kFewestBlades = 6;        // of a young corn plant
+constexpr int kBladeCuts = 6;           // straight pieces of a blade seen from near
 constexpr double kCornExtinction_per_m = 1.5;
 constexpr double kBelowOne = 0.999999;
 constexpr std::uint64_t kLightSalt = 0x116870000000000ULL;  // parts a leaf's light from its place
@@ -361,19 +362,19 @@ Course Canopy::append_vines(const Piece& piece, const Fit& fit, std::vector<Leaf
   return course;
 }
 
-void Canopy::append_corn(int row, int piece, const Fit& fit, bool calibrating, double direction_rad,
-                         std::vector<Leaf>& out) const {
+void Canopy::append_corn(const Piece& piece, const Fit& fit, std::vector<Leaf>& out) const {
   const Field& f = scene_.field;
   const double reach = std::max(0.01, f.half_width_m - fit.inset_m);
   const double top = std::max(0.02, f.row_height_m - fit.drop_m);
-  const auto first = static_cast<std::int64_t>(std::ceil(piece * kPiece_m / f.plant_spacing_m));
-  const Vector3d sun = to_sun(direction_rad);
-  for (std::int64_t plant = first; static_cast<double>(plant) * f.plant_spacing_m < (piece + 1) * kPiece_m;
-       ++plant) {
-    if (!calibrating && plant_missing(row, plant)) continue;
-    base::Random random(key(40, row, plant));
+  const auto first = static_cast<std::int64_t>(std::ceil(piece.number * kPiece_m / f.plant_spacing_m));
+  const Vector3d sun = to_sun(piece.direction_rad);
+  const int cuts = std::max(2, kBladeCuts / static_cast<int>(stretch_of(piece.level)));
+  for (std::int64_t plant = first;
+       static_cast<double>(plant) * f.plant_spacing_m < (piece.number + 1) * kPiece_m; ++plant) {
+    if (!piece.calibrating && plant_missing(piece.row, plant)) continue;
+    base::Random random(key(40, piece.row, plant));
     const double s = (static_cast<double>(plant) + 0.15 * soft_normal(random)) * f.plant_spacing_m;
-    const Vector3d foot(s, row * f.spacing_m + 0.08 * f.half_width_m * soft_normal(random), 0.0);
+    const Vector3d foot(s, piece.row * f.spacing_m + 0.08 * f.half_width_m * soft_normal(random), 0.0);
     const double size = std::clamp(1.0 + 0.12 * soft_normal(random), 0.6, 1.4);
     const int blades = kFewestBlades + static_cast<int>(random.below(4));
     double turn = random.uniform(0.0, 2.0 * kPi);
@@ -382,14 +383,13 @@ void Canopy::append_corn(int row, int piece, const Fit& fit, bool calibrating, d
       const double age = (i + 0.5) / blades;    // the lowest, oldest blades are the longest and droop most
       const double length = reach * size * (1.35 - 0.6 * age) * random.uniform(0.85, 1.15);
       const double rise = top * size * (0.45 + 0.65 * age) * random.uniform(0.9, 1.1);
-      append_blade(foot, turn, length, rise, 0.5 * f.leaf_m * random.uniform(0.8, 1.2), sun, out);
+      append_blade(foot, turn, length, rise, 0.5 * f.leaf_m * random.uniform(0.8, 1.2), cuts, sun, out);
     }
   }
 }
 
 void Canopy::append_blade(const Vector3d& foot, double turn, double length, double rise, double half_width,
-                          const Vector3d& sun, std::vector<Leaf>& out) const {
-  constexpr int kCuts = 6;
+                          int cuts, const Vector3d& sun, std::vector<Leaf>& out) const {
   const Vector3d forth(std::cos(turn), std::sin(turn), 0.0);
   const Vector3d wide(-std::sin(turn), std::cos(turn), 0.0);
   // Rises from the stalk, turns over at two thirds of its reach, and hangs.
@@ -401,8 +401,8 @@ void Canopy::append_blade(const Vector3d& foot, double turn, double length, doub
   const auto width = [&](double t) {
     return half_width * std::sqrt(std::max(0.0, (0.25 + 3.0 * t) * (1.0 - t))) / 1.06;
   };
-  for (int k = 0; k < kCuts; ++k) {
-    const double t0 = static_cast<double>(k) / kCuts, t1 = (k + 1.0) / kCuts;
+  for (int k = 0; k < cuts; ++k) {
+    const double t0 = static_cast<double>(k) / cuts, t1 = (k + 1.0) / cuts;
     const Vector3d from = spine(t0), to = spine(t1);
     Vector3d normal = (to - from).cross(wide).normalized();
     if (normal.z() < 0.0) normal = -normal;
@@ -465,7 +465,7 @@ Course Canopy::append_piece(int row, int piece, int level, double direction_rad,
                             std::vector<Leaf>& out) const {
   const Fit& fit = fits_[static_cast<std::size_t>(std::clamp(level, 0, kLevels - 1))];
   if (scene_.field.crop == Crop::corn) {
-    append_corn(row, piece, fit, false, direction_rad, out);
+    append_corn({row, piece, level, hidden_side, false, direction_rad}, fit, out);
     return {};
   }
   const Course course = append_vines({row, piece, level, hidden_side, false, direction_rad}, fit, out);
@@ -482,7 +482,7 @@ Canopy::Fit Canopy::fit_level(int level) const {
     std::vector<Leaf> leaves;
     for (int piece = -kBeyond; piece < static_cast<int>(kFitLength_m / kPiece_m) + kBeyond; ++piece) {
       if (f.crop == Crop::corn) {
-        append_corn(kFitRow, piece, fit, true, 0.0, leaves);
+        append_corn({kFitRow, piece, level, 0, true, 0.0}, fit, leaves);
       } else {
         append_vines({kFitRow, piece, level, 0, true, 0.0}, fit, leaves);
       }

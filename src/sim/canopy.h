@@ -113,10 +113,9 @@ class Canopy {
     bool inner, left;
   };
   Course append_vines(const Piece& piece, const Fit& fit, std::vector<Leaf>& out) const;
-  void append_corn(int row, int piece, const Fit& fit, bool calibrating, double direction_rad,
-                   std::vector<Leaf>& out) const;
+  void append_corn(const Piece& piece, const Fit& fit, std::vector<Leaf>& out) const;
   void append_blade(const Eigen::Vector3d& foot, double turn, double length, double rise, double half_width,
-                    const Eigen::Vector3d& sun, std::vector<Leaf>& out) const;
+                    int cuts, const Eigen::Vector3d& sun, std::vector<Leaf>& out) const;
   void append_wood(int row, int piece, double direction_rad, std::vector<Leaf>& out) const;
   Course course_of(const Piece& piece, const Fit& fit) const;
   Surface pick_surface(const Course& course, double part, bool with_inner, base::Random& random) const;

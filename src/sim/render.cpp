@@ -344,10 +344,8 @@ int Renderer::Shared::exposures(double t_s) const {
   return std::clamp(static_cast<int>(std::lround(moved_px)), 1, kMostExposures);
 }
 
-Renderer::Renderer(const Scene& scene) : shared_(new Shared(scene)) {}
-Renderer::~Renderer() {
-  delete shared_;
-}
+Renderer::Renderer(const Scene& scene) : shared_(std::make_unique<Shared>(scene)) {}
+Renderer::~Renderer() = default;
 
 Image Renderer::shot(std::size_t index) const {
   check(index < shared_->path.shot_times().size(), "a shot of the scene");

@@ -388,6 +388,13 @@ void check_together(const Scene& scene, Checker& checker) {
   if (f.base_half_width_m > f.half_width_m) {
     checker.fail("field.base_half_width_m", base::format_double(f.base_half_width_m), "at most half_width_m");
   }
+  // Leaves of a metre of row: more than this neither fits memory nor shows.
+  constexpr double kMostLeavesPerMetre = 20000.0;
+  const double envelope_m = 2.0 * (f.half_width_m + f.row_height_m);
+  if (f.crop == Crop::vine && f.leaf_layers * envelope_m / (f.leaf_m * f.leaf_m) > kMostLeavesPerMetre) {
+    checker.fail("field.leaf_m", base::format_double(f.leaf_m),
+                 "larger leaves, or fewer leaf_layers: under 20000 leaves a metre");
+  }
   const double farthest_m = f.rows_each_side * f.spacing_m;
   if (std::abs(f.curvature_per_m) * farthest_m > 0.9) {
     checker.fail("field.curvature_per_m", base::format_double(f.curvature_per_m),

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -50,7 +51,7 @@ class Renderer {
 
  private:
   struct Shared;
-  const Shared* shared_;
+  std::unique_ptr<const Shared> shared_;
 };
 
 /// cam_from_board of every board picture; board: origin at the first inner corner, x along the columns, y
