@@ -33,14 +33,16 @@ GreenMap green_map(const Image& picture, double most_pixels) {
   map.scale_v = static_cast<double>(picture.height) / map.height;
   map.value.assign(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height), 0.0F);
   if (picture.channels != 3) return map;
+  map.light.resize(map.value.size());
   const cv::Mat small = reduced(picture, map.width, map.height);
   for (int v = 0; v < map.height; ++v) {
     const std::uint8_t* in = small.ptr<std::uint8_t>(v);
     float* out = map.value.data() + static_cast<std::ptrdiff_t>(v) * map.width;
+    std::uint16_t* light = map.light.data() + static_cast<std::ptrdiff_t>(v) * map.width;
     for (int u = 0; u < map.width; ++u, in += 3) {
-      const int red = in[0], green = in[1], blue = in[2];
-      out[u] =
-          static_cast<float>(2 * green - red - blue) / (static_cast<float>(red + green + blue) + kDarkLevel);
+      const int red = in[0], green = in[1], blue = in[2], sum = red + green + blue;
+      light[u] = static_cast<std::uint16_t>(sum);
+      out[u] = static_cast<float>(2 * green - red - blue) / (static_cast<float>(sum) + kDarkLevel);
     }
   }
   return map;

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <vector>
 
 #include "furrow/image/image.h"
@@ -11,6 +12,7 @@ struct GreenMap {
   int width = 0, height = 0;
   double scale_u = 1.0, scale_v = 1.0;  ///< px of the picture per px of the map
   std::vector<float> value;             ///< width * height
+  std::vector<std::uint16_t> light;     ///< R + G + B, same places; empty for a grey picture
 
   const float* row(int v) const { return value.data() + static_cast<std::ptrdiff_t>(v) * width; }
   /// Pixel (0, 0) is a pixel's centre in both.

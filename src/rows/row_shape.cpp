@@ -103,13 +103,22 @@ std::optional<float> half_mean(const Profile& profile, double x_from, double x_t
   return sum / static_cast<float>(values.size());
 }
 
+/// Light of the row's core and of the ground beside its edges. A pixel that leaf and ground share has the
+/// chroma of the brighter: greenness e mixes as (a e_row I_row + (1 - a) e_alley I_alley) / (a I_row + (1 -
+/// a) I_alley), so half coverage is where e is the mean of both weighted by light.
+struct Light {
+  float row = 0.0F;
+  std::array<float, 2> ground = {0.0F, 0.0F};
+  int count = 0;
+};
+
 struct Levels {
   float row = kNone;
   std::array<float, 2> middle = {
       kNone, kNone};  // half way between row and alley, left and right; NaN: that side is not seen
 };
 
-Levels levels_of(const Profile& profile) {
+Levels levels_of(const Profile& profile, const Light& light = {}) {
   // The middle of the alley, where two rows meet last; and the core of the row, thin rows too.
   constexpr double kAlleyFrom = 0.38, kAlleyTo = 0.62, kCore = 0.06;
   Levels levels;
@@ -121,7 +130,9 @@ Levels levels_of(const Profile& profile) {
   for (std::size_t side = 0; side < 2; ++side) {
     // A side without a visible alley borrows nothing: its edge stays unknown.
     if (!alley[side] || levels.row - *alley[side] < kLeastContrast) continue;
-    levels.middle[side] = 0.5F * (levels.row + *alley[side]);
+    const float ground = light.ground[side], all = light.row + ground;
+    const float row_part = light.row > 0.0F && ground > 0.0F ? light.row / all : 0.5F;
+    levels.middle[side] = row_part * levels.row + (1.0F - row_part) * *alley[side];
   }
   return levels;
 }
@@ -156,14 +167,62 @@ struct Measured {
   std::array<double, 2> scatter = {0.0, 0.0};  // one-sigma of own against smooth, spacings
 };
 
-Measured measure(const std::vector<Profile>& profiles) {
+/// Light at and beside one sample's row, on the map's row nearest to it.
+Light sample_light(const GreenMap& map, const CommonModel& model, int k, double v,
+                   const std::optional<double>& left, const std::optional<double>& right) {
+  Light light;
+  if (map.light.empty() || !left || !right) return light;
+  const Cut cut = model.at(v);
+  const int row = std::clamp(static_cast<int>(std::lround((v + 0.5) / map.scale_v - 0.5)), 0, map.height - 1);
+  const auto at = [&](double x) -> std::optional<float> {
+    const double u = (cut.centre + (k + x) * cut.spacing + 0.5) / map.scale_u - 0.5;
+    if (u < 0.0 || u > map.width - 1.0) return std::nullopt;
+    return static_cast<float>(map.light[static_cast<std::size_t>(row) * static_cast<std::size_t>(map.width) +
+                                        static_cast<std::size_t>(u + 0.5)]);
+  };
+  constexpr std::array kInside = {0.3, 0.5, 0.7};      // of the half width
+  constexpr std::array kOutside = {0.04, 0.07, 0.10};  // spacings beyond the edge
+  for (std::size_t i = 0; i < kInside.size(); ++i) {
+    const auto a = at(-*left * kInside[i]), b = at(*right * kInside[i]);
+    const auto c = at(-*left - kOutside[i]), d = at(*right + kOutside[i]);
+    if (!a || !b || !c || !d) return {};
+    light.row += *a + *b;
+    light.ground[0] += 2.0F * *c;
+    light.ground[1] += 2.0F * *d;
+  }
+  light.count = 1;
+  return light;
+}
+
+Light window_light(const std::vector<Light>& lights, std::size_t at) {
+  Light sum;
+  const std::size_t from = at > kWindow ? at - kWindow : 0, to = std::min(lights.size(), at + kWindow + 1);
+  for (std::size_t j = from; j < to; ++j) {
+    sum.row += lights[j].row;
+    sum.ground[0] += lights[j].ground[0];
+    sum.ground[1] += lights[j].ground[1];
+    sum.count += lights[j].count;
+  }
+  return sum.count > 0 ? sum : Light{};
+}
+
+Measured measure(const GreenMap& map, const CommonModel& model, const RowLine& row,
+                 const std::vector<Profile>& profiles) {
   Measured measured;
+  std::vector<Profile> means;
+  std::vector<Light> lights;
+  for (std::size_t j = 0; j < profiles.size(); ++j) {
+    means.push_back(window_mean(profiles, j));
+    const Levels levels = levels_of(means[j]);
+    lights.push_back(sample_light(map, model, row.index, row.samples[j].centre_px.y(),
+                                  edge_of(means[j], 0, levels.middle[0]),
+                                  edge_of(means[j], 1, levels.middle[1])));
+  }
   std::array<std::vector<double>, 2> residuals;
   for (std::size_t j = 0; j < profiles.size(); ++j) {
-    const Profile mean = window_mean(profiles, j);
-    const Levels levels = levels_of(mean);
+    const Levels levels = levels_of(means[j], window_light(lights, j));
     for (std::size_t side = 0; side < 2; ++side) {
-      const auto smooth = edge_of(mean, static_cast<int>(side), levels.middle[side]);
+      const auto smooth = edge_of(means[j], static_cast<int>(side), levels.middle[side]);
       const auto own =
           smooth ? edge_of(profiles[j], static_cast<int>(side), levels.middle[side]) : std::nullopt;
       measured.smooth[side].push_back(smooth);
@@ -272,7 +331,7 @@ void shape_rows(const GreenMap& map, const CommonModel& model, std::vector<RowLi
       const double v = sample.centre_px.y();
       profiles.push_back(sample_profile(map, model, row.index, v - 0.5 * step, v + 0.499 * step));
     }
-    const Measured measured = measure(profiles);
+    const Measured measured = measure(map, model, row, profiles);
     row.half_width_px = half_width_at(measured, model, v_middle, px_floor, row);
     write_samples(measured, model, px_floor, row);
   }
