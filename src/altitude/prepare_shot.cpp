@@ -110,6 +110,12 @@ Result<PreparedShot> prepare_shot(const rows::RowLines& lines, const Camera& cam
                                   const FieldKnowledge& field, const Farm& farm, const AttitudePrior& prior,
                                   const RefineOptions& options) {
   FURROW_TRY(const RowsOnUnitPlane directions, rows_on_unit_plane(lines, camera));
+  return prepare_directions(directions, field, farm, prior, options);
+}
+
+Result<PreparedShot> prepare_directions(const RowsOnUnitPlane& directions, const FieldKnowledge& field,
+                                        const Farm& farm, const AttitudePrior& prior,
+                                        const RefineOptions& options) {
   FURROW_TRY(const Pencil pencil, fit_pencil(directions, field, prior));
   PreparedShot shot;
   FURROW_TRY(shot.system, build_system(pencil, farm, prior, options));

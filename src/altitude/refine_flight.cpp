@@ -48,6 +48,7 @@ struct FlightRowCost {
   const WeightedBlock* block = nullptr;
   template <class T>
   bool operator()(const T* pose, const T* farm, const T* flight, T* residuals) const {
+    if (!sane_pose(pose)) return false;
     whitened_residuals(*block, pose, farm, residuals, T(1.0 + flight[kFocal]));
     return true;
   }
@@ -77,6 +78,7 @@ struct TieCost {
   template <class T>
   bool operator()(const T* first, const T* second, T* residual) const {
     using std::exp;
+    if (!sane_pose(first) || !sane_pose(second)) return false;
     residual[0] = (exp(second[kLogHeight]) - exp(first[kLogHeight]) - tie.step_m) / tie.sigma_m;
     return true;
   }
@@ -110,6 +112,12 @@ Result<Member> member_of(const ShotInput& input, const Camera& camera, const Fie
                          const Farm& farm, const FlightOptions& options) {
   Member member;
   FURROW_TRY(member.shot, prepare_shot(input.lines, camera, field, farm, input.attitude, options.shot));
+  // A shot that fails on its own must not bend the flight. The gimbal's bias may look like a contradiction to
+  // one shot.
+  RefineOptions alone = options.shot;
+  alone.prior_conflict_sigmas = std::numeric_limits<double>::infinity();
+  FURROW_TRY(const RefinedShot settled, settle_shot(member.shot, camera, field, alone));
+  check(settled.usable, "a settled shot is usable");
   FURROW_TRY(const GimbalPrior gimbal, gimbal_prior(input.attitude));
   const double sigma = std::hypot(options.gimbal_noise_rad, options.shot.terrain_slope_sigma_rad);
   if (gimbal.theta.usable()) member.log_theta = {gimbal.theta.value, sigma, 1};

@@ -47,6 +47,24 @@ Result<Posterior> posterior_at(const ShotSystem& system, const ShotVector& x, co
   return p;
 }
 
+Status check_fit(const ShotVector& x, const Posterior& posterior, const RefineOptions& options) {
+  if (posterior.residual_rms > options.largest_misfit) {
+    return Error{"rows_do_not_fit", "rows",
+                 "a misfit of " + base::format_fixed(posterior.residual_rms, 1) +
+                     " sigmas to any field of equally spaced rows",
+                 "at most " + base::format_fixed(options.largest_misfit, 1), ""};
+  }
+  // The height is a logarithm inside, so its sigma is relative.
+  const double relative = std::sqrt(posterior.covariance(kLogHeight, kLogHeight));
+  if (!(relative <= options.largest_relative_sigma)) {
+    return Error{"height_open", "rows",
+                 "rows that leave the height of " + base::format_fixed(std::exp(x[kLogHeight]), 2) +
+                     " m open by a factor of " + base::format_fixed(std::exp(std::min(relative, 10.0)), 1),
+                 "more rows, or edges of rows", ""};
+  }
+  return Done{};
+}
+
 Status check_priors(const ShotSystem& system, const Posterior& posterior, double limit) {
   for (std::size_t i = 0; i < system.priors.size(); ++i) {
     const ParameterPrior& prior = system.priors[i];
@@ -105,11 +123,8 @@ std::vector<SigmaShare> height_budget(const ShotSystem& system, const ShotVector
 
 }  // namespace
 
-Result<RefinedShot> refine_shot(const rows::RowLines& lines, const Camera& camera,
-                                const FieldKnowledge& field, const AttitudePrior& prior,
+Result<RefinedShot> settle_shot(PreparedShot& prepared, const Camera& camera, const FieldKnowledge& field,
                                 const RefineOptions& options) {
-  FURROW_TRY(const Farm farm, complete_farm(field));
-  FURROW_TRY(PreparedShot prepared, prepare_shot(lines, camera, field, farm, prior, options));
   const ShotSystem& system = prepared.system;
   const SolveReport report = solve(system, prepared.x, false, options);
   if (!report.usable) {
@@ -117,6 +132,7 @@ Result<RefinedShot> refine_shot(const rows::RowLines& lines, const Camera& camer
                  "rows of one field", ""};
   }
   FURROW_TRY(const Posterior posterior, posterior_at(system, prepared.x, camera));
+  FURROW_DO(check_fit(prepared.x, posterior, options));
   FURROW_DO(check_priors(system, posterior, options.prior_conflict_sigmas));
   RefinedShot shot = describe(system, prepared.x, posterior.covariance + posterior.camera_covariance, field);
   shot.height_budget = height_budget(system, prepared.x, posterior, camera);
@@ -126,6 +142,14 @@ Result<RefinedShot> refine_shot(const rows::RowLines& lines, const Camera& camer
   shot.termination = report.termination;
   shot.usable = true;
   return shot;
+}
+
+Result<RefinedShot> refine_shot(const rows::RowLines& lines, const Camera& camera,
+                                const FieldKnowledge& field, const AttitudePrior& prior,
+                                const RefineOptions& options) {
+  FURROW_TRY(const Farm farm, complete_farm(field));
+  FURROW_TRY(PreparedShot prepared, prepare_shot(lines, camera, field, farm, prior, options));
+  return settle_shot(prepared, camera, field, options);
 }
 
 }  // namespace furrow::altitude

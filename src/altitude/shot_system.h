@@ -63,12 +63,21 @@ void whitened_residuals(const WeightedBlock& block, const T* pose, const T* farm
   }
 }
 
+/// Whether a pose is one that a solver may stand on: a step beyond it is refused instead of followed into
+/// infinity. Heights from micrometres to 10,000 km.
+template <class T>
+bool sane_pose(const T* pose) {
+  constexpr double kLargestLogHeight = 16.0;
+  return pose[kLogHeight] > -kLargestLogHeight && pose[kLogHeight] < kLargestLogHeight;
+}
+
 /// Cost of one row for Ceres; parameter blocks pose and farm.
 struct RowCost {
   const WeightedBlock* block = nullptr;
 
   template <class T>
   bool operator()(const T* pose, const T* farm, T* residuals) const {
+    if (!sane_pose(pose)) return false;
     whitened_residuals(*block, pose, farm, residuals);
     return true;
   }
@@ -136,6 +145,16 @@ struct PreparedShot {
 Result<PreparedShot> prepare_shot(const rows::RowLines& lines, const Camera& camera,
                                   const FieldKnowledge& field, const Farm& farm, const AttitudePrior& prior,
                                   const RefineOptions& options);
+
+/// The same from directions.
+Result<PreparedShot> prepare_directions(const RowsOnUnitPlane& directions, const FieldKnowledge& field,
+                                        const Farm& farm, const AttitudePrior& prior,
+                                        const RefineOptions& options);
+
+/// Least squares from where a prepared shot stands, with every check that refine_shot makes; the shot then
+/// stands at the solution.
+Result<RefinedShot> settle_shot(PreparedShot& shot, const Camera& camera, const FieldKnowledge& field,
+                                const RefineOptions& options);
 
 /// Largest value that chi-square with `freedom` degrees passes with the given chance (Wilson and Hilferty
 /// 1931).

@@ -116,15 +116,15 @@ std::vector<PrismRow> plant(const World& world, const Noise& noise, base::Random
   return rows;
 }
 
-/// What nearer rows leave of an interval; an edge that is hidden becomes NaN.
-Interval visible_part(Interval all, const std::vector<Interval>& nearer) {
+/// Whether an edge can be told: not hidden by a nearer row, and, for a detector of green, not against another
+/// row's leaves.
+bool told(double u, std::size_t own, const std::vector<Interval>& all, bool leaf_against_leaf) {
   constexpr double kGapPx = 2.0;  // green closer than this has grown together
-  Interval seen = all;
-  for (const Interval& other : nearer) {
-    if (all.left < other.right + kGapPx && all.left > other.left) seen.left = kNone;
-    if (all.right > other.left - kGapPx && all.right < other.right) seen.right = kNone;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool matters = i < own || (i > own && !leaf_against_leaf);
+    if (matters && u > all[i].left - kGapPx && u < all[i].right + kGapPx) return false;
   }
-  return seen;
+  return true;
 }
 
 double step(double state, double correlation, base::Random& random) {
@@ -166,12 +166,16 @@ rows::RowLines picture_of(const World& world, const Camera& camera, const Noise&
   const Scene scene{world, camera, geom::cam_from_level(world.attitude)};
   std::vector<PrismRow> rows = plant(world, noise, random);
   for (double v = 0.0; v <= camera.height - 1.0; v += kRowStepPx) {
-    std::vector<Interval> nearer;
-    for (PrismRow& row : rows) {
-      const Interval all = silhouette(scene, row.edges, v);
-      if (std::isnan(all.left) || all.right - all.left < kNarrowestPx) continue;
-      add_sample(row, visible_part(all, nearer), v, camera, noise, random);
-      nearer.push_back(all);
+    std::vector<Interval> all;
+    for (const PrismRow& row : rows) {
+      all.push_back(silhouette(scene, row.edges, v));
+      if (!(all.back().right - all.back().left >= kNarrowestPx)) all.back() = {};
+    }
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      Interval seen = all[i];
+      if (!told(seen.left, i, all, noise.leaf_against_leaf)) seen.left = kNone;
+      if (!told(seen.right, i, all, noise.leaf_against_leaf)) seen.right = kNone;
+      add_sample(rows[i], seen, v, camera, noise, random);
     }
   }
   rows::RowLines lines;

@@ -35,6 +35,9 @@ struct Noise {
   double planting_sigma_m = 0.0;  ///< of a row's axis
   double growth_sigma_m = 0.0;    ///< of each edge of a row
   bool edges = true;              ///< give edges; else centres of the visible green only
+  /// A row's far edge is seen against the next row's leaves; else only against soil, as by a detector of
+  /// green.
+  bool leaf_against_leaf = true;
 };
 
 /// The thesis's camera at 1280x720 (THESIS.md, section 2), with mild distortion.

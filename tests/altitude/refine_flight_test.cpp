@@ -1,7 +1,7 @@
-#include <Eigen/LU>
 #include <gtest/gtest.h>
 #include <chrono>
 #include <cmath>
+#include <Eigen/LU>
 
 #include "altitude/arrow.h"
 #include "field_generator.h"

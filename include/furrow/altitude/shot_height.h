@@ -74,11 +74,19 @@ struct RefineOptions {
   /// measure against gravity, pictures against the rows. Added to the sigmas of pitch and roll. Default: a
   /// vineyard terrace or a sown field within half a degree.
   double terrain_slope_sigma_rad = 0.0087;
+  /// A height with a larger sigma than this part of itself is no answer but an error, height_open.
+  double largest_relative_sigma = 0.5;
+  /// Rows that miss every field of equally spaced rows by more than this many times their sigmas are no rows
+  /// of one field: an error, rows_do_not_fit.
+  double largest_misfit = 5.0;
   int max_iterations = 50;
 };
 
 /// Height, attitude and offset of one shot from its row centres and edges in pixels, through the full camera
-/// model, with priors. Errors: as from_spacing, no_spacing, not_finite (names the input), solve_failed.
+/// model, with priors. Rows are prisms with walls, so that an oblique view of a wall does not bias the height
+/// (docs/formulation/altitude.md, section 5).
+/// Errors: as from_spacing, no_spacing, contradictory_priors (names the prior), height_open, rows_do_not_fit,
+/// not_finite (names the input), bad_field, solve_failed.
 Result<RefinedShot> refine_shot(const rows::RowLines& lines, const Camera& camera,
                                 const FieldKnowledge& field, const AttitudePrior& prior,
                                 const RefineOptions& options = {});

@@ -1,0 +1,79 @@
+#pragma once
+#include <array>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "furrow/base/result.h"
+#include "furrow/stats/estimate.h"
+
+namespace furrow::altitude {
+
+/// All that speaks about height at one moment; NaN or an unusable Estimate where a source is silent.
+struct HeightSample {
+  double t_s = 0.0;
+  Estimate vision_above_canopy_m;  ///< refine_shot's or refine_flight's
+  Estimate depth_above_canopy_m;   ///< from a depth map; may carry a constant bias
+  double baro_height_m = std::numeric_limits<double>::quiet_NaN();  ///< above any fixed level; drifts
+  double vps_height_m = std::numeric_limits<double>::quiet_NaN();   ///< above what is below: leaves or soil
+  double gnss_height_m =
+      std::numeric_limits<double>::quiet_NaN();  ///< above any fixed level, ground level there; constant bias
+};
+
+enum class HeightSource { vision, depth, baro, vps, gnss };
+inline constexpr int kHeightSources = 5;
+/// "vision", "depth", ...
+std::string source_name(HeightSource source);
+
+struct FuseOptions {
+  /// Top of the canopy above the soil, with sigma.
+  Estimate row_height_m;
+  /// One-sigma of the vertical acceleration of the aircraft, m/s^2: how fast its climb may change. Default:
+  /// gentle crop flight.
+  double acceleration_sigma = 0.3;
+  /// One-sigma of a barometer's reading, and of its drift in one second. Defaults: small MEMS barometers;
+  /// half a metre in a quarter of an hour.
+  double baro_sigma_m = 0.15;
+  double baro_drift_m_per_sqrt_s = 0.02;
+  /// One-sigma of a downward sensor's reading over leaves or soil.
+  double vps_sigma_m = 0.10;
+  /// One-sigma of a GNSS height about its bias, and of the bias's change in one second.
+  double gnss_sigma_m = 0.5;
+  double gnss_drift_m_per_sqrt_s = 0.02;
+  /// One-sigma of the constant bias of a depth map's height. The others' offsets are unknown altogether.
+  double depth_bias_sigma_m = 0.5;
+  /// A reading farther from the others than this many sigmas of its difference is left out.
+  double gate_sigmas = 4.0;
+  /// Sources that take part, by HeightSource.
+  std::array<bool, kHeightSources> use = {true, true, true, true, true};
+};
+
+/// What a downward sensor saw.
+enum class Seen { nothing, canopy, soil, outlier };
+
+struct FusedHeight {
+  double t_s = 0.0;
+  Estimate above_canopy_m, above_ground_m;
+  /// Reading minus what all sources together say, bias taken off, by HeightSource; NaN where silent.
+  std::array<double, kHeightSources> residual_m;
+  std::array<bool, kHeightSources> left_out;  ///< there, but gated as an outlier
+  Seen vps_seen = Seen::nothing;
+};
+
+struct FusedFlight {
+  std::vector<FusedHeight> heights;
+  Estimate baro_bias_m, gnss_bias_m, depth_bias_m;  ///< at the last sample: reading minus height above canopy
+  std::array<int, kHeightSources> used = {};        ///< readings that took part
+  std::array<int, kHeightSources> gated = {};
+  std::array<double, kHeightSources> residual_rms_m = {};  ///< of those used; NaN for none
+  int passes = 0;                                          ///< of smoothing, until no reading changed sides
+};
+
+/// Kalman smoother over the flight (docs/formulation/altitude.md, section 11) with height, climb and each
+/// source's bias as state; a downward sensor's reading is taken as canopy, soil or neither, and outliers are
+/// gated, until nothing changes. Errors: no_samples, times_not_increasing, not_finite (options),
+/// no_absolute_height (only sources with unknown offset), no_row_height (VPS alone fixes the height, and the
+/// canopy's height is not known).
+Result<FusedFlight> fuse(const std::vector<HeightSample>& samples, const FuseOptions& options);
+
+}  // namespace furrow::altitude

@@ -1,0 +1,375 @@
+#include "furrow/altitude/fuse.h"
+
+#include <algorithm>
+#include <cmath>
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <optional>
+
+#include "furrow/base/text.h"
+
+namespace furrow::altitude {
+namespace {
+
+/// Places in the state: height above canopy, climb rate, and each source's bias.
+constexpr int kHeight = 0, kClimb = 1, kBaroBias = 2, kGnssBias = 3, kDepthBias = 4, kStateSize = 5;
+using State = Eigen::Matrix<double, kStateSize, 1>;
+using StateMatrix = Eigen::Matrix<double, kStateSize, kStateSize>;
+
+/// Spread of a quantity of which nothing is known, metres or metres a second: far beyond any flight.
+constexpr double kUnknownSigma = 1e4;
+/// Passes after which readings that still change sides are left where they are.
+constexpr int kMaxPasses = 10;
+
+int place(HeightSource source) {
+  return static_cast<int>(source);
+}
+
+/// One source's reading as a scalar measurement of the state.
+struct Reading {
+  State row = State::Zero();
+  double value = 0.0, sigma = 1.0;
+};
+
+/// What each reading was taken for in the last pass.
+struct Labels {
+  std::array<bool, kHeightSources> left_out = {};
+  Seen vps = Seen::nothing;
+};
+
+struct Belief {
+  State mean = State::Zero();
+  StateMatrix covariance = StateMatrix::Zero();
+};
+
+Reading reading_on(int bias, double value, double sigma) {
+  Reading reading;
+  reading.row[kHeight] = 1.0;
+  if (bias >= 0) reading.row[bias] = 1.0;
+  reading.value = value;
+  reading.sigma = sigma;
+  return reading;
+}
+
+Reading vps_reading(double value, Seen seen, const FuseOptions& options) {
+  if (seen == Seen::soil) {
+    return reading_on(-1, value - options.row_height_m.value,
+                      std::hypot(options.vps_sigma_m, options.row_height_m.sigma));
+  }
+  return reading_on(-1, value, options.vps_sigma_m);
+}
+
+/// A source's reading at a sample, or nothing when it is silent or not used.
+std::optional<Reading> reading_of(const HeightSample& s, HeightSource source, Seen vps,
+                                  const FuseOptions& options) {
+  if (!options.use[static_cast<std::size_t>(place(source))]) return std::nullopt;
+  const auto plain = [&](int bias, double value, double sigma) -> std::optional<Reading> {
+    if (!std::isfinite(value)) return std::nullopt;
+    return reading_on(bias, value, sigma);
+  };
+  switch (source) {
+    case HeightSource::vision:
+      if (!s.vision_above_canopy_m.usable()) return std::nullopt;
+      return reading_on(-1, s.vision_above_canopy_m.value, s.vision_above_canopy_m.sigma);
+    case HeightSource::depth:
+      if (!s.depth_above_canopy_m.usable()) return std::nullopt;
+      return reading_on(kDepthBias, s.depth_above_canopy_m.value, s.depth_above_canopy_m.sigma);
+    case HeightSource::baro:
+      return plain(kBaroBias, s.baro_height_m, options.baro_sigma_m);
+    case HeightSource::gnss:
+      return plain(kGnssBias, s.gnss_height_m, options.gnss_sigma_m);
+    case HeightSource::vps:
+      if (!std::isfinite(s.vps_height_m)) return std::nullopt;
+      return vps_reading(s.vps_height_m, vps, options);
+  }
+  return std::nullopt;
+}
+
+constexpr std::array<HeightSource, kHeightSources> kSources = {
+    HeightSource::vision, HeightSource::depth, HeightSource::baro, HeightSource::vps, HeightSource::gnss};
+
+bool takes_part(const Labels& labels, HeightSource source) {
+  if (source == HeightSource::vps) return labels.vps == Seen::canopy || labels.vps == Seen::soil;
+  return !labels.left_out[static_cast<std::size_t>(place(source))];
+}
+
+void update(Belief& belief, const Reading& reading) {
+  const State gain_numerator = belief.covariance * reading.row;
+  const double variance = reading.row.dot(gain_numerator) + reading.sigma * reading.sigma;
+  const State gain = gain_numerator / variance;
+  belief.mean += gain * (reading.value - reading.row.dot(belief.mean));
+  // Joseph's form keeps the covariance positive over long flights.
+  const StateMatrix rest = StateMatrix::Identity() - gain * reading.row.transpose();
+  belief.covariance =
+      rest * belief.covariance * rest.transpose() + reading.sigma * reading.sigma * gain * gain.transpose();
+}
+
+/// Transition and noise over `dt` (eq. 11.1): white acceleration, biases that walk.
+struct Step {
+  StateMatrix transition = StateMatrix::Identity();
+  StateMatrix noise = StateMatrix::Zero();
+};
+
+Step step_of(double dt, const FuseOptions& options) {
+  Step step;
+  step.transition(kHeight, kClimb) = dt;
+  const double q = options.acceleration_sigma * options.acceleration_sigma;
+  step.noise(kHeight, kHeight) = q * dt * dt * dt / 3.0;
+  step.noise(kHeight, kClimb) = step.noise(kClimb, kHeight) = q * dt * dt / 2.0;
+  step.noise(kClimb, kClimb) = q * dt;
+  step.noise(kBaroBias, kBaroBias) = std::pow(options.baro_drift_m_per_sqrt_s, 2) * dt;
+  step.noise(kGnssBias, kGnssBias) = std::pow(options.gnss_drift_m_per_sqrt_s, 2) * dt;
+  return step;
+}
+
+Belief start_belief(const FuseOptions& options) {
+  Belief belief;
+  belief.covariance.diagonal().setConstant(kUnknownSigma * kUnknownSigma);
+  belief.covariance(kClimb, kClimb) = 100.0;  // no aircraft over a crop climbs faster than 10 m/s
+  belief.covariance(kDepthBias, kDepthBias) = options.depth_bias_sigma_m * options.depth_bias_sigma_m;
+  return belief;
+}
+
+/// Forward Kalman filter, backward Rauch-Tung-Striebel pass (eq. 11.2).
+std::vector<Belief> smooth(const std::vector<HeightSample>& samples, const std::vector<Labels>& labels,
+                           const FuseOptions& options) {
+  const std::size_t n = samples.size();
+  std::vector<Belief> predicted(n), filtered(n);
+  std::vector<StateMatrix> transitions(n, StateMatrix::Identity());
+  for (std::size_t i = 0; i < n; ++i) {
+    predicted[i] = i == 0 ? start_belief(options) : filtered[i - 1];
+    if (i > 0) {
+      const Step step = step_of(samples[i].t_s - samples[i - 1].t_s, options);
+      transitions[i] = step.transition;
+      predicted[i].mean = step.transition * predicted[i].mean;
+      predicted[i].covariance =
+          step.transition * predicted[i].covariance * step.transition.transpose() + step.noise;
+    }
+    filtered[i] = predicted[i];
+    for (const HeightSource source : kSources) {
+      const auto reading = reading_of(samples[i], source, labels[i].vps, options);
+      if (reading && takes_part(labels[i], source)) update(filtered[i], *reading);
+    }
+  }
+  std::vector<Belief> smoothed = filtered;
+  for (std::size_t i = n - 1; i-- > 0;) {
+    const StateMatrix back =
+        predicted[i + 1].covariance.ldlt().solve(transitions[i + 1] * filtered[i].covariance).transpose();
+    smoothed[i].mean += back * (smoothed[i + 1].mean - predicted[i + 1].mean);
+    smoothed[i].covariance +=
+        back * (smoothed[i + 1].covariance - predicted[i + 1].covariance) * back.transpose();
+  }
+  return smoothed;
+}
+
+/// How many sigmas a reading is from what the rest says. A reading that took part is first taken back out of
+/// the belief (eq. 11.3).
+double distance_from_rest(const Belief& belief, const Reading& reading, bool took_part) {
+  const double own = reading.row.dot(belief.covariance * reading.row);
+  const double r = reading.sigma * reading.sigma;
+  const double residual = reading.value - reading.row.dot(belief.mean);
+  if (!took_part) return std::abs(residual) / std::sqrt(r + own);
+  return std::abs(residual) / std::sqrt(std::max(r - own, 1e-3 * r));
+}
+
+Seen label_vps(const HeightSample& sample, const Belief& belief, Seen before, const FuseOptions& options) {
+  double best = options.gate_sigmas;
+  Seen label = Seen::outlier;
+  for (const Seen seen : {Seen::canopy, Seen::soil}) {
+    if (seen == Seen::soil && !options.row_height_m.usable()) continue;
+    const auto reading = reading_of(sample, HeightSource::vps, seen, options);
+    const double away = distance_from_rest(belief, *reading, false);
+    // The side it was on wins a tie, so that the passes end.
+    if (away < (seen == before ? best + 1e-9 : best)) best = away, label = seen;
+  }
+  return label;
+}
+
+Labels label(const HeightSample& sample, const Belief& belief, const Labels& before,
+             const FuseOptions& options) {
+  Labels labels = before;
+  for (const HeightSource source : kSources) {
+    const auto reading = reading_of(sample, source, Seen::canopy, options);
+    if (!reading) continue;
+    const std::size_t i = static_cast<std::size_t>(place(source));
+    if (source == HeightSource::vps) {
+      labels.vps = label_vps(sample, belief, before.vps, options);
+      labels.left_out[i] = labels.vps == Seen::outlier;
+    } else {
+      labels.left_out[i] =
+          distance_from_rest(belief, *reading, takes_part(before, source)) > options.gate_sigmas;
+    }
+  }
+  return labels;
+}
+
+bool same(const std::vector<Labels>& a, const std::vector<Labels>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i].left_out != b[i].left_out || a[i].vps != b[i].vps) return false;
+  }
+  return true;
+}
+
+bool any(const std::vector<HeightSample>& samples, HeightSource source, const FuseOptions& options) {
+  for (const HeightSample& sample : samples) {
+    if (reading_of(sample, source, Seen::canopy, options)) return true;
+  }
+  return false;
+}
+
+Status check_input(const std::vector<HeightSample>& samples, const FuseOptions& options) {
+  if (samples.empty()) return Error{"no_samples", "fuse", "no samples", "one sample or more", ""};
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const bool sound = std::isfinite(samples[i].t_s) && (i == 0 || samples[i].t_s > samples[i - 1].t_s);
+    if (!sound) {
+      return Error{"times_not_increasing", "sample " + std::to_string(i + 1),
+                   base::format_double(samples[i].t_s) + " s", "a finite time after the one before", ""};
+    }
+  }
+  for (const double sigma : {options.acceleration_sigma, options.baro_sigma_m, options.vps_sigma_m,
+                             options.gnss_sigma_m, options.depth_bias_sigma_m, options.gate_sigmas}) {
+    if (!(std::isfinite(sigma) && sigma > 0.0)) {
+      return Error{"not_finite", "fuse options", base::format_double(sigma), "finite sigmas above 0", ""};
+    }
+  }
+  if (any(samples, HeightSource::vision, options) || any(samples, HeightSource::depth, options))
+    return Done{};
+  if (!any(samples, HeightSource::vps, options)) {
+    return Error{"no_absolute_height", "fuse", "only barometer or GNSS, whose zero is not known",
+                 "vision, depth or a downward sensor", ""};
+  }
+  if (options.row_height_m.usable()) return Done{};
+  return Error{"no_row_height", "fuse", "a downward sensor alone, and no height of the rows",
+               "the rows' height", ""};
+}
+
+/// Downward reading over a source that follows the aircraft's climb, when there is one: constant over leaves,
+/// one row height more over soil.
+std::optional<double> above_follower(const HeightSample& s, const FuseOptions& options) {
+  if (!reading_of(s, HeightSource::vps, Seen::canopy, options)) return std::nullopt;
+  if (reading_of(s, HeightSource::baro, Seen::canopy, options)) return s.vps_height_m - s.baro_height_m;
+  if (reading_of(s, HeightSource::gnss, Seen::canopy, options)) return s.vps_height_m - s.gnss_height_m;
+  return s.vps_height_m;
+}
+
+/// The level of the leaves among such readings: the one of which most readings lie there or one row height
+/// above (eq. 11.4). Readings on one level only are taken for leaves.
+double leaf_level(const std::vector<double>& readings, const FuseOptions& options) {
+  const double sigma = std::hypot(options.vps_sigma_m, options.baro_sigma_m);
+  const auto cost = [&](double level) {
+    double sum = 0.0;
+    for (const double reading : readings) {
+      const double canopy = (reading - level) / sigma, soil = canopy - options.row_height_m.value / sigma;
+      sum += std::min({canopy * canopy, soil * soil, options.gate_sigmas * options.gate_sigmas});
+    }
+    return sum;
+  };
+  // Some hundred levels tried are as good as all, and keep long flights linear.
+  const std::size_t stride = 1 + readings.size() / 200;
+  double best = readings.front(), least = cost(best);
+  for (std::size_t i = 0; i < readings.size(); i += stride) {
+    const double c = cost(readings[i]);
+    if (c < least) least = c, best = readings[i];
+  }
+  return best;
+}
+
+/// First labels: everything takes part, but a downward sensor only after vision or depth has spoken; alone,
+/// its readings are sorted by level.
+std::vector<Labels> first_labels(const std::vector<HeightSample>& samples, const FuseOptions& options) {
+  std::vector<Labels> labels(samples.size());
+  if (any(samples, HeightSource::vision, options) || any(samples, HeightSource::depth, options))
+    return labels;
+  std::vector<double> readings;
+  for (const HeightSample& sample : samples) {
+    if (const auto reading = above_follower(sample, options)) readings.push_back(*reading);
+  }
+  const double level = leaf_level(readings, options);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const auto reading = above_follower(samples[i], options);
+    if (reading)
+      labels[i].vps = *reading - level > 0.5 * options.row_height_m.value ? Seen::soil : Seen::canopy;
+  }
+  return labels;
+}
+
+FusedHeight describe(const HeightSample& sample, const Belief& belief, const Labels& labels,
+                     const FuseOptions& options) {
+  FusedHeight fused;
+  fused.t_s = sample.t_s;
+  fused.residual_m.fill(std::numeric_limits<double>::quiet_NaN());
+  fused.left_out = labels.left_out;
+  fused.vps_seen = labels.vps;
+  int readings = 0;
+  for (const HeightSource source : kSources) {
+    const auto reading = reading_of(sample, source, labels.vps, options);
+    if (!reading) continue;
+    fused.residual_m[static_cast<std::size_t>(place(source))] =
+        reading->value - reading->row.dot(belief.mean);
+    readings += takes_part(labels, source);
+  }
+  const double sigma = std::sqrt(std::max(0.0, belief.covariance(kHeight, kHeight)));
+  fused.above_canopy_m = {belief.mean[kHeight], sigma, readings};
+  if (options.row_height_m.usable()) {
+    fused.above_ground_m = {belief.mean[kHeight] + options.row_height_m.value,
+                            std::hypot(sigma, options.row_height_m.sigma), readings};
+  }
+  return fused;
+}
+
+void count_sources(FusedFlight& flight) {
+  std::array<double, kHeightSources> squares = {};
+  for (const FusedHeight& height : flight.heights) {
+    for (std::size_t i = 0; i < squares.size(); ++i) {
+      if (std::isnan(height.residual_m[i])) continue;
+      if (height.left_out[i]) {
+        ++flight.gated[i];
+      } else {
+        ++flight.used[i];
+        squares[i] += height.residual_m[i] * height.residual_m[i];
+      }
+    }
+  }
+  for (std::size_t i = 0; i < squares.size(); ++i) {
+    flight.residual_rms_m[i] = flight.used[i] > 0 ? std::sqrt(squares[i] / flight.used[i])
+                                                  : std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+}  // namespace
+
+std::string source_name(HeightSource source) {
+  static const char* const kNames[kHeightSources] = {"vision", "depth", "baro", "vps", "gnss"};
+  return kNames[place(source)];
+}
+
+Result<FusedFlight> fuse(const std::vector<HeightSample>& samples, const FuseOptions& options) {
+  FURROW_DO(check_input(samples, options));
+  std::vector<Labels> labels = first_labels(samples, options);
+  FusedFlight flight;
+  std::vector<Belief> beliefs;
+  for (flight.passes = 1; flight.passes <= kMaxPasses; ++flight.passes) {
+    beliefs = smooth(samples, labels, options);
+    std::vector<Labels> next;
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      next.push_back(label(samples[i], beliefs[i], labels[i], options));
+    if (same(next, labels)) break;
+    labels = std::move(next);
+  }
+  beliefs = smooth(samples, labels, options);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    flight.heights.push_back(describe(samples[i], beliefs[i], labels[i], options));
+  }
+  count_sources(flight);
+  const Belief& last = beliefs.back();
+  const auto bias = [&](int at, HeightSource source) {
+    return Estimate{last.mean[at], std::sqrt(last.covariance(at, at)),
+                    flight.used[static_cast<std::size_t>(place(source))]};
+  };
+  flight.baro_bias_m = bias(kBaroBias, HeightSource::baro);
+  flight.gnss_bias_m = bias(kGnssBias, HeightSource::gnss);
+  flight.depth_bias_m = bias(kDepthBias, HeightSource::depth);
+  return flight;
+}
+
+}  // namespace furrow::altitude

@@ -1,0 +1,128 @@
+#include "furrow/altitude/fuse.h"
+
+#include <gtest/gtest.h>
+#include <cmath>
+
+#include "furrow/base/random.h"
+#include "furrow/stats/agreement.h"
+
+namespace furrow::altitude {
+namespace {
+
+constexpr double kCanopy = 1.7;
+
+struct Log {
+  std::vector<HeightSample> samples;
+  std::vector<double> truth;
+  std::vector<Seen> seen;
+};
+
+/// A minute of flight, one sample a second: a barometer that drifts by half a metre, a downward sensor that
+/// sees leaves or soil, GNSS with a bias, vision with gaps and some wrong heights.
+Log fly(base::Random& random) {
+  Log log;
+  double baro_bias = 41.0, gnss_bias = -12.0;
+  Seen seen = Seen::canopy;
+  for (int i = 0; i < 90; ++i) {
+    const double h = 2.3 + 0.8 * std::sin(0.07 * i);
+    baro_bias += random.normal(0.0, 0.02);
+    gnss_bias += random.normal(0.0, 0.02);
+    if (random.uniform() < 0.15) seen = seen == Seen::canopy ? Seen::soil : Seen::canopy;
+    HeightSample s;
+    s.t_s = i;
+    const double sigma = 0.02 * h;
+    if (i % 3 != 2) s.vision_above_canopy_m = {h + random.normal(0.0, sigma), sigma, 1};
+    if (i % 17 == 9) s.vision_above_canopy_m = {2.0 * h, sigma, 1};
+    s.baro_height_m = h + baro_bias + random.normal(0.0, 0.15);
+    s.vps_height_m = h + (seen == Seen::soil ? kCanopy : 0.0) + random.normal(0.0, 0.10);
+    s.gnss_height_m = h + gnss_bias + random.normal(0.0, 0.5);
+    log.samples.push_back(s);
+    log.truth.push_back(h);
+    log.seen.push_back(seen);
+  }
+  return log;
+}
+
+FuseOptions options() {
+  FuseOptions o;
+  o.row_height_m = {kCanopy, 0.03, 1};
+  o.acceleration_sigma = 0.05;
+  return o;
+}
+
+double rms(const FusedFlight& flight, const std::vector<double>& truth) {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    squares += std::pow(flight.heights[i].above_canopy_m.value - truth[i], 2);
+  return std::sqrt(squares / static_cast<double>(truth.size()));
+}
+
+TEST(Fuse, IsBetterThanAnySourceAndItsSigmaHolds) {
+  base::Random random(1);
+  std::vector<Estimate> estimates;
+  std::vector<double> truths;
+  for (int flight = 0; flight < 15; ++flight) {
+    const Log log = fly(random);
+    const auto fused = fuse(log.samples, options());
+    ASSERT_TRUE(fused.ok()) << fused.error().message();
+    EXPECT_LT(rms(*fused, log.truth), 0.05);
+    for (std::size_t i = 4; i < log.truth.size(); i += 10) {
+      estimates.push_back(fused->heights[i].above_canopy_m);
+      truths.push_back(log.truth[i]);
+    }
+  }
+  const stats::Coverage coverage = stats::coverage(estimates, truths);
+  EXPECT_NEAR(coverage.within_1_sigma, 0.683, 0.12);
+  EXPECT_NEAR(coverage.within_2_sigma, 0.954, 0.06);
+}
+
+TEST(Fuse, TellsLeavesFromSoilAndGatesWrongVision) {
+  base::Random random(2);
+  const Log log = fly(random);
+  const auto fused = fuse(log.samples, options());
+  ASSERT_TRUE(fused.ok()) << fused.error().message();
+  int right = 0, gated = 0;
+  for (std::size_t i = 0; i < log.seen.size(); ++i) {
+    right += fused->heights[i].vps_seen == log.seen[i];
+    if (i % 17 == 9) gated += fused->heights[i].left_out[static_cast<std::size_t>(HeightSource::vision)];
+  }
+  EXPECT_GE(right, 88);
+  EXPECT_EQ(gated, 5);
+  EXPECT_NEAR(fused->heights[50].above_ground_m.value, log.truth[50] + kCanopy, 0.15);
+}
+
+// Each source switched off in turn: the answer stays, and vision carries most of it.
+TEST(Fuse, AnswersWithEachSourceSwitchedOff) {
+  base::Random random(3);
+  const Log log = fly(random);
+  for (const HeightSource source :
+       {HeightSource::vision, HeightSource::baro, HeightSource::vps, HeightSource::gnss}) {
+    FuseOptions o = options();
+    o.use[static_cast<std::size_t>(source)] = false;
+    const auto fused = fuse(log.samples, o);
+    ASSERT_TRUE(fused.ok()) << source_name(source) << fused.error().message();
+    EXPECT_LT(rms(*fused, log.truth), source == HeightSource::vision ? 0.25 : 0.06) << source_name(source);
+    std::printf("without %-6s rms %.3f m\n", source_name(source).c_str(), rms(*fused, log.truth));
+  }
+}
+
+TEST(Fuse, NamesWhatCannotBeAnswered) {
+  EXPECT_EQ(fuse({}, options()).error().code, "no_samples");
+  HeightSample a, b;
+  a.baro_height_m = b.baro_height_m = 10.0;
+  b.t_s = 1.0;
+  EXPECT_EQ(fuse({a, b}, options()).error().code, "no_absolute_height");
+  a.vps_height_m = 3.0;
+  EXPECT_EQ(fuse({a, b}, {}).error().code, "no_row_height");
+  EXPECT_TRUE(fuse({a, b}, options()).ok());
+  b.t_s = 0.0;
+  EXPECT_EQ(fuse({a, b}, options()).error().code, "times_not_increasing");
+  b.t_s = std::nan("");
+  EXPECT_EQ(fuse({a, b}, options()).error().code, "times_not_increasing");
+  FuseOptions bad = options();
+  bad.baro_sigma_m = 0.0;
+  EXPECT_EQ(fuse({a}, bad).error().code, "not_finite");
+}
+
+}  // namespace
+}  // namespace furrow::altitude
