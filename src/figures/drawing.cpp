@@ -135,10 +135,12 @@ void add_marker(Drawing& drawing, Marker marker, const Point& at, double size_pt
       stroke({at + Point(-half, half), at + Point(half, -half)});
       break;
     case Marker::ring: {
-      auto points = regular_polygon(at, half, 24, 0.0);
-      points.push_back(points[0]);
-      points.push_back(points[1]);
-      stroke(std::move(points));
+      // A closed band rather than a bent line: no joints to be seen.
+      Band band{regular_polygon(at, half + 0.5 * pen_pt, 32, 0.0),
+                regular_polygon(at, half - 0.5 * pen_pt, 32, 0.0), colour};
+      band.upper.push_back(band.upper.front());
+      band.lower.push_back(band.lower.front());
+      drawing.items.push_back(std::move(band));
       break;
     }
   }

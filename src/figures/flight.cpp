@@ -189,7 +189,7 @@ Result<Figure> heights_over_shots(const std::vector<ShotRecord>& records, double
   if (over_ground) {
     wanted.curves.push_back({log_look("log, above take-off"), "height_takeoff_m",
                              [](const ShotRecord& r) { return bare(r.height_takeoff_m); }});
-    wanted.curves.push_back({vps_look("VPS, above surface below"), "height_vps_m",
+    wanted.curves.push_back({vps_look("VPS, above surface"), "height_vps_m",
                              [](const ShotRecord& r) { return bare(r.height_vps_m); }});
   }
   wanted.curves.push_back(

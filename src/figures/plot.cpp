@@ -290,7 +290,7 @@ LegendEntry legend_of(const Series& series) {
 
 double draw_legend(Drawing& drawing, const Point& top_left, double width_pt,
                    const std::vector<LegendEntry>& entries) {
-  constexpr double kLinePt = 1.45 * kLegendTextPt, kGapPt = 12.0, kKeyGapPt = 4.0;
+  constexpr double kLinePt = 1.45 * kLegendTextPt, kGapPt = 9.0, kKeyGapPt = 4.0;
   if (entries.empty()) return 0.0;
   Point at = top_left;
   for (const LegendEntry& entry : entries) {

@@ -70,15 +70,26 @@ void draw_row(Drawing& drawing, const Place& place, const rows::RowLine& row) {
               followed ? 2.0 : 1.3, row.seen ? Dash{} : Dash{4.0, 2.5});
 }
 
-/// The row's index where its line leaves the picture at the bottom.
-void draw_index(Drawing& drawing, const Place& place, const rows::RowLine& row) {
+/// Each row's index where its line leaves the picture at the bottom. Far rows leave it close to each other: a
+/// number that would cover that of a nearer row is left out.
+void draw_indices(Drawing& drawing, const Place& place, std::vector<rows::RowLine> all) {
   constexpr double kSizePt = 8.0;
-  const auto parts = clip(centre_line(place, row), place.top_left, place.bottom_right);
-  if (parts.empty()) return;
-  const std::string text = tick_text(row.index, 0);
-  const Point half(0.5 * text_width_pt(text, kSizePt) + 0.4 * kSizePt, 0.8 * kSizePt);
-  const Point at = parts.back().back().cwiseMax(place.top_left + half).cwiseMin(place.bottom_right - half);
-  add_label(drawing, at, text, kSizePt, kBlack, row.index == 0 ? kFollowed : kNeighbour);
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return std::abs(a.index) < std::abs(b.index); });
+  std::vector<std::pair<Point, Point>> taken;  // middle and half size
+  for (const rows::RowLine& row : all) {
+    const auto parts = clip(centre_line(place, row), place.top_left, place.bottom_right);
+    if (parts.empty()) continue;
+    const std::string text = tick_text(row.index, 0);
+    const Point half(0.5 * text_width_pt(text, kSizePt) + 0.4 * kSizePt, 0.8 * kSizePt);
+    const Point at = parts.back().back().cwiseMax(place.top_left + half).cwiseMin(place.bottom_right - half);
+    const bool covers = std::any_of(taken.begin(), taken.end(), [&](const auto& other) {
+      return ((at - other.first).cwiseAbs().array() < (half + other.second).array()).all();
+    });
+    if (covers) continue;
+    taken.push_back({at, half});
+    add_label(drawing, at, text, kSizePt, kBlack, row.index == 0 ? kFollowed : kNeighbour);
+  }
 }
 
 bool inside(const Place& place, const Eigen::Vector2d& px) {
@@ -185,7 +196,7 @@ Result<Figure> row_overlay(const Image& picture, const rows::RowLines& lines, co
   for (const rows::RowLine& row : lines.rows) {
     if (row.index == 0) draw_row(drawing, place, row);
   }
-  for (const rows::RowLine& row : lines.rows) draw_index(drawing, place, row);
+  draw_indices(drawing, place, lines.rows);
   if (lines.vanishing_point_px && lines.vanishing_point_px->allFinite()) {
     draw_vanishing_point(drawing, place, *lines.vanishing_point_px);
   }
