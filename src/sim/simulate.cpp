@@ -81,6 +81,22 @@ std::string boards_csv(const Scene& scene, const std::vector<Rigid3>& boards) {
   return csv;
 }
 
+std::string rows_csv(const Scene& scene, const std::vector<ShotTruth>& shots) {
+  std::vector<std::string> parts(shots.size());
+  base::parallel_for(shots.size(), 0, [&](std::size_t i) {
+    for (const TrueRow& row : true_rows(scene, shots[i])) {
+      for (const RowCrossing& at : row.crossings) {
+        parts[i] += shots[i].shot_id + "," + std::to_string(row.index) + "," + std::to_string(row.row) + "," +
+                    format_fixed(at.v_px, 0) + "," + format_fixed(at.u_px, 3) + "," +
+                    format_fixed(at.left_u_px, 3) + "," + format_fixed(at.right_u_px, 3) + "\n";
+      }
+    }
+  });
+  std::string csv = "shot_id,index,row,v_px,u_px,left_u_px,right_u_px\n";
+  for (const std::string& part : parts) csv += part;
+  return csv;
+}
+
 std::string board_yaml(const Boards& b) {
   return "type: checkerboard\ncorners: [" + std::to_string(b.corners_x) + ", " + std::to_string(b.corners_y) +
          "]\nsquare_m: " + format_double(b.square_m) + "\n";
@@ -104,6 +120,7 @@ std::string project_yaml(const Scene& scene) {
 Status write_texts(const Scene& scene, const fs::path& folder, const std::vector<ShotTruth>& shots) {
   FURROW_DO(base::write_file(folder / "scene.yaml", to_yaml(scene)));
   FURROW_DO(base::write_file(folder / "truth.csv", truth_csv(scene, shots)));
+  FURROW_DO(base::write_file(folder / "rows_truth.csv", rows_csv(scene, shots)));
   FURROW_DO(base::write_file(folder / "airdata.csv", airdata_csv(scene)));
   FURROW_DO(base::write_file(folder / "camera_true.yaml", camera::to_opencv_yaml(scene.camera)));
   FURROW_DO(base::write_file(folder / "project.yaml", project_yaml(scene)));

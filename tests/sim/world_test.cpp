@@ -164,6 +164,30 @@ TEST(World, RowsStandWhereTruthProjectsThem) {
   EXPECT_NEAR(0.5 * (left - right), scene.field.half_width_m + 0.03, 0.05);
 }
 
+TEST(World, TrueRowsAreOrderedAndProjected) {
+  const Scene scene = demo_scene();
+  const auto shots = true_shots(scene);
+  for (std::size_t i : {0U, 20U, 38U}) {
+    const auto rows = true_rows(scene, shots[i]);
+    ASSERT_GT(rows.size(), 10U);
+    for (std::size_t k = 1; k < rows.size(); ++k) EXPECT_EQ(rows[k].index, rows[k - 1].index + 1);
+    const auto zero =
+        std::find_if(rows.begin(), rows.end(), [](const TrueRow& row) { return row.index == 0; });
+    ASSERT_NE(zero, rows.end());
+    EXPECT_EQ(zero->row, 0) << "the flight follows row 0";
+    // The middle of the list lies on the ray through the row's plane: go back from the pixel to the plane of
+    // the tops.
+    const RowCrossing& at = zero->crossings[zero->crossings.size() / 2];
+    const Vector2d ray = camera::unproject(scene.camera, {at.u_px, at.v_px}).value();
+    const Vector3d toward = shots[i].cam_from_world.rotation.conjugate() * Vector3d(ray.x(), ray.y(), 1.0);
+    const double t = (scene.field.row_height_m - shots[i].x_in_world.z()) / toward.z();
+    const Vector3d row = row_from_world(scene, shots[i].x_in_world + t * toward);
+    EXPECT_NEAR(row.y(), 0.0, 2e-3);
+    EXPECT_LT(at.left_u_px, at.u_px);
+    EXPECT_LT(at.u_px, at.right_u_px);
+  }
+}
+
 TEST(World, BoardCornersAreWhereTheyAreProjected) {
   Scene scene = demo_scene();
   const auto poses = true_boards(scene);
@@ -256,6 +280,66 @@ TEST(World, RollingShutterShearsWhatMoves) {
     return sum / still.width;
   };
   EXPECT_LT(difference(90), 0.5 * difference(5));
+}
+
+TEST(World, OddScenesRender) {
+  Scene base = still_scene(3.0, -12.4);
+  base.camera = camera::resize_camera(base.camera, 64, 36);
+  base.field.rows_each_side = 2;
+  base.field.after_m = 15.0;
+  const std::vector<std::pair<const char*, void (*)(Scene&)>> oddities = {
+      {"one row", [](Scene& s) { s.field.rows_each_side = 0; }},
+      {"inside the canopy", [](Scene& s) { s.flight.legs[0].height_above_ground_m = 1.2; }},
+      {"on the soil, looking up",
+       [](Scene& s) {
+         s.flight.legs[0].height_above_ground_m = 0.1;
+         s.flight.legs[0].pitch_deg = 30.0;
+       }},
+      {"very high", [](Scene& s) { s.flight.legs[0].height_above_ground_m = 500.0; }},
+      {"straight down with yaw",
+       [](Scene& s) {
+         s.flight.legs[0].pitch_deg = -90.0;
+         s.flight.legs[0].yaw_deg = 179.0;
+       }},
+      {"no rows at all", [](Scene& s) { s.field.gap_probability = 1.0; }},
+      {"steep and wavy",
+       [](Scene& s) {
+         s.field.slope_along = -0.5;
+         s.field.undulation_m = 3.0;
+         s.field.undulation_wavelength_m = 5.0;
+       }},
+      {"curved to the right", [](Scene& s) { s.field.curvature_per_m = -0.005; }},
+      {"low sun", [](Scene& s) { s.sun.elevation_deg = 5.0; }},
+      {"long exposure and slow shutter",
+       [](Scene& s) {
+         s.pictures.exposure_time_s = 1.0;
+         s.pictures.readout_time_s = 1.0;
+       }},
+      {"few thin leaves", [](Scene& s) { s.field.leaf_layers = 0.1; }},
+      {"folding lens",
+       [](Scene& s) {
+         s.camera.distortion = {-0.9, 0.0, 0.0, 0.0, 0.0};
+       }},
+      {"sparse corn",
+       [](Scene& s) {
+         s.field.crop = Crop::corn;
+         s.field.foliage_bottom_m = 0.0;
+         s.field.row_height_m = 0.05;
+       }},
+  };
+  for (const auto& [name, make] : oddities) {
+    Scene scene = base;
+    make(scene);
+    ASSERT_TRUE(validate(scene).ok()) << name << ": " << validate(scene).error().message();
+    const Image picture = Renderer(scene).shot(0);
+    EXPECT_EQ(picture.width, 64) << name;
+    EXPECT_TRUE(std::any_of(picture.data.begin(), picture.data.end(), [](std::uint8_t x) { return x > 10; }))
+        << name;
+    EXPECT_NO_THROW(true_rows(scene, true_shots(scene)[0])) << name;
+  }
+  Scene tiny_leaves = base;
+  tiny_leaves.field.leaf_m = 0.01;
+  EXPECT_EQ(validate(tiny_leaves).error().code, "scene_invalid");
 }
 
 }  // namespace

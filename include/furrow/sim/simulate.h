@@ -24,8 +24,9 @@ struct SimulateOptions {
 
 /// Renders `scene` into `folder`: boards/*.png with board.yaml, frames/*.jpg, airdata.csv (AirData's columns,
 /// feet and mph as it writes them), truth.csv (shot_id and exact camera pose, heights, row geometry),
-/// boards_truth.csv (exact place of every corner), camera_true.yaml, scene.yaml (every value used) and
-/// project.yaml, ready for `furrow run`. Same scene, same bytes. Errors: file_unwritable, scene_invalid.
+/// boards_truth.csv (exact place of every corner), rows_truth.csv (where the rows' plane of tops crosses the
+/// pictures), camera_true.yaml, scene.yaml (every value used) and project.yaml, ready for `furrow run`. Same
+/// scene, same bytes. Errors: file_unwritable, scene_invalid.
 Result<Simulated> simulate(const Scene& scene, const std::filesystem::path& folder,
                            const base::Progress& progress = {}, const SimulateOptions& options = {});
 

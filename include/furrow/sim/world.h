@@ -36,6 +36,25 @@ Eigen::Vector3d world_from_row(const Scene& scene, const Eigen::Vector3d& s_l_he
 /// (s, l, height above the soil) of a point of the world.
 Eigen::Vector3d row_from_world(const Scene& scene, const Eigen::Vector3d& x_in_world);
 
+/// Where one row's plane of tops crosses a picture row.
+struct RowCrossing {
+  double v_px = 0.0;
+  double u_px = 0.0;                         ///< of the row's centre line at the height of the row tops
+  double left_u_px = 0.0, right_u_px = 0.0;  ///< of the edges of the stated half width at that height
+};
+
+/// A row as the picture of one shot would show it if the canopy were its plane of tops.
+struct TrueRow {
+  int row = 0;    ///< counted to the left from row 0
+  int index = 0;  ///< from left to right; 0 crosses the picture's middle row nearest its middle column
+  std::vector<RowCrossing>
+      crossings;  ///< every `step_px` from top to bottom, where the centre is in the picture
+};
+
+/// Rows of a shot (its pose at the middle of the exposure; a rolling shutter is left out), from left to
+/// right.
+std::vector<TrueRow> true_rows(const Scene& scene, const ShotTruth& shot, double step_px = 10.0);
+
 /// Pictures of one scene; keeps what all shots share (ray table, canopy levels).
 class Renderer {
  public:
