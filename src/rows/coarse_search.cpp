@@ -178,7 +178,7 @@ Folded fold(const Aligned& aligned, double bin_px, double spacing) {
   const float total_sum = sum_before[kPhases], total_weight = weight_before[kPhases];
   Folded best;
   float best_score = 0.0F;
-  for (const std::size_t width : {3, 6, 11}) {
+  for (const std::size_t width : {3, 6, 11, 17}) {
     // Contrast c between tooth and rest explains c^2 in out / total; written without the divisions that
     // cancel.
     std::array<float, kPhases> score{};

@@ -124,10 +124,11 @@ Response respond(const Strips& strips, const PlanarField& field, double tooth) {
     if (spacing <= kLeastSpacingPx) continue;
     response.fade[j] = std::min(1.0F, (spacing - kLeastSpacingPx) / (kFullSpacingPx - kLeastSpacingPx));
     const float half = 0.5F * part * spacing, apart = 0.5F * spacing;
+    const float alley = 0.5F * std::min(part, 1.0F - part) * spacing;  // half the width compared on each side
     const float* running = strips.running(j);
     row.make(running, ramp, width, -half, half);
-    left.make(running, ramp, width, -apart - half, -apart + half);
-    right.make(running, ramp, width, apart - half, apart + half);
+    left.make(running, ramp, width, -apart - alley, -apart + alley);
+    right.make(running, ramp, width, apart - alley, apart + alley);
     period.make(running, ramp, width, -apart, apart);
     float* line = response.value.data() + j * static_cast<std::size_t>(width);
     for (std::size_t i = 0; i < static_cast<std::size_t>(width); ++i) {

@@ -213,7 +213,7 @@ PlanarField fit_to(const FollowedField& followed, const PlanarField& start) {
 
 double best_tooth(const Strips& strips, const PlanarField& field) {
   double tooth = 0.3, score = -1.0;
-  for (const double width : {0.12, 0.2, 0.3, 0.42, 0.55}) {
+  for (const double width : {0.12, 0.2, 0.3, 0.42, 0.55, 0.72}) {
     const double one = comb_score(respond(strips, field, width), field, {});
     if (one > score) score = one, tooth = width;
   }
@@ -228,7 +228,7 @@ std::vector<FoundField> refine_trials(const Strips& strips, const std::vector<Tr
   std::vector<FoundField> found;
   for (std::size_t i = 0; i < std::min(kTried, trials.size()); ++i) {
     FoundField one;
-    one.tooth = std::clamp(trials[i].tooth, 0.2, 0.5);
+    one.tooth = std::clamp(trials[i].tooth, 0.2, 0.72);
     one.field = refine(respond(strips, trials[i].field, one.tooth), trials[i].field, {.least_scale = 0.3},
                        0.25, kCalls, priors);
     one.score = comb_score(respond(strips, one.field, one.tooth), one.field, {.least_scale = 0.1}) *

@@ -26,9 +26,6 @@ constexpr float kLeastContrast = 0.03F;
 /// one-sigma in spacings (train pictures of CRBD, development half).
 constexpr double kOwnSpread = 0.02, kMiddleSigma = 0.02;
 
-double x_of(double bin) {
-  return (bin + 0.5) * kBinWidth - kReach;
-}
 double bin_of(double x) {
   return (x + kReach) / kBinWidth - 0.5;
 }
@@ -36,16 +33,21 @@ double bin_of(double x) {
 using Profile =
     std::array<float, kBins>;  // greenness by distance from the row's model centre; NaN outside the picture
 
-float green_at(const GreenMap& map, int row, double u) {
-  if (u < 0.0 || u > map.width - 1.0) return kNone;
-  const int i = std::min(static_cast<int>(u), map.width - 2);
-  const float part = static_cast<float>(u - i);
-  const float* line = map.row(row);
-  return line[i] + part * (line[i + 1] - line[i]);
+/// Running sums of each of the map's rows: sums[row * (width + 1) + u] is the sum over [0, u).
+std::vector<float> running_sums(const GreenMap& map) {
+  std::vector<float> sums;
+  sums.reserve(static_cast<std::size_t>(map.width + 1) * static_cast<std::size_t>(map.height));
+  for (int v = 0; v < map.height; ++v) {
+    float sum = 0.0F;
+    sums.push_back(sum);
+    for (int u = 0; u < map.width; ++u) sums.push_back(sum += map.row(v)[u]);
+  }
+  return sums;
 }
 
 /// Mean profile over the map's rows that belong to one sample.
-Profile sample_profile(const GreenMap& map, const CommonModel& model, int k, double v_from, double v_to) {
+Profile sample_profile(const GreenMap& map, const std::vector<float>& sums, const CommonModel& model, int k,
+                       double v_from, double v_to) {
   Profile sum{};
   std::array<int, kBins> count{};
   const int first =
@@ -53,14 +55,26 @@ Profile sample_profile(const GreenMap& map, const CommonModel& model, int k, dou
   const int last =
       std::clamp(static_cast<int>(std::floor((v_to + 0.5) / map.scale_v - 0.5)), first, map.height - 1);
   const int step = last - first >= 5 ? 2 : 1;  // neighbouring rows of a fine map tell the same
+  const float end = static_cast<float>(map.width);
   for (int row = first; row <= last; row += step) {
     const double v = map.v_in_picture(row);
     if (model.field().scale(v) <= 0.02) continue;
     const Cut cut = model.at(v);
-    const double u0 = (cut.centre + k * cut.spacing + 0.5) / map.scale_u - 0.5,
-                 per_x = cut.spacing / map.scale_u;
+    const float* running = sums.data() + static_cast<std::ptrdiff_t>(row) * (map.width + 1);
+    const auto sum_to = [&](float x) {
+      const int i = std::min(static_cast<int>(x), map.width - 1);
+      return running[i] + (x - static_cast<float>(i)) * (running[i + 1] - running[i]);
+    };
+    // Borders of the bins, px from the map's left border. Bins are means over their whole width: points would
+    // lose edges between them.
+    const float width = static_cast<float>(kBinWidth * cut.spacing / map.scale_u), per_width = 1.0F / width;
+    float border = static_cast<float>((cut.centre + (k - kReach) * cut.spacing + 0.5) / map.scale_u);
+    float before = border >= 0.0F && border <= end ? sum_to(border) : kNone;
     for (std::size_t i = 0; i < kBins; ++i) {
-      const float value = green_at(map, row, u0 + x_of(static_cast<double>(i)) * per_x);
+      border += width;
+      const float after = border >= 0.0F && border <= end ? sum_to(border) : kNone;
+      const float value = (after - before) * per_width;
+      before = after;
       if (std::isnan(value)) continue;
       sum[i] += value;
       ++count[i];
@@ -103,9 +117,7 @@ std::optional<float> half_mean(const Profile& profile, double x_from, double x_t
   return sum / static_cast<float>(values.size());
 }
 
-/// Light of the row's core and of the ground beside its edges. A pixel that leaf and ground share has the
-/// chroma of the brighter: greenness e mixes as (a e_row I_row + (1 - a) e_alley I_alley) / (a I_row + (1 -
-/// a) I_alley), so half coverage is where e is the mean of both weighted by light.
+/// Light of the row's core and of the ground beside its edges.
 struct Light {
   float row = 0.0F;
   std::array<float, 2> ground = {0.0F, 0.0F};
@@ -118,7 +130,7 @@ struct Levels {
       kNone, kNone};  // half way between row and alley, left and right; NaN: that side is not seen
 };
 
-Levels levels_of(const Profile& profile, const Light& light = {}) {
+Levels levels_of(const Profile& profile) {
   // The middle of the alley, where two rows meet last; and the core of the row, thin rows too.
   constexpr double kAlleyFrom = 0.38, kAlleyTo = 0.62, kCore = 0.06;
   Levels levels;
@@ -130,12 +142,22 @@ Levels levels_of(const Profile& profile, const Light& light = {}) {
   for (std::size_t side = 0; side < 2; ++side) {
     // A side without a visible alley borrows nothing: its edge stays unknown.
     if (!alley[side] || levels.row - *alley[side] < kLeastContrast) continue;
-    const float ground = light.ground[side], all = light.row + ground;
-    const float row_part = light.row > 0.0F && ground > 0.0F ? light.row / all : 0.5F;
-    levels.middle[side] = row_part * levels.row + (1.0F - row_part) * *alley[side];
+    levels.middle[side] = 0.5F * (levels.row + *alley[side]);
   }
   return levels;
 }
+
+/// A pixel that leaf and ground share has the chroma of the brighter: with coverage a and r = I_row /
+/// I_ground its greenness is not a but a r / (a r + 1 - a). Over one mixed pixel of an edge the mean of the
+/// difference is this, in px; so much too narrow is the row there.
+double mixing_shift(double r) {
+  if (std::abs(r - 1.0) < 1e-3) return 0.0;
+  return 0.5 - (r / (r - 1.0) - r * std::log(r) / ((r - 1.0) * (r - 1.0)));
+}
+
+/// Px over which an edge is mixed before a pixel's chroma is read: the pixel itself, a lens of about 0.6 px
+/// one-sigma and the halved chroma of JPEG, as the box of the same variance: sqrt(12 (1/12 + 0.36 + 4/12)).
+constexpr double kMixedPx = 3.0;
 
 /// Distance of an edge from the model's centre, spacings, positive outwards: the most likely place of a step
 /// between two known levels is where the running sum of (value - middle level) from the centre outwards is
@@ -220,11 +242,19 @@ Measured measure(const GreenMap& map, const CommonModel& model, const RowLine& r
   }
   std::array<std::vector<double>, 2> residuals;
   for (std::size_t j = 0; j < profiles.size(); ++j) {
-    const Levels levels = levels_of(means[j], window_light(lights, j));
+    const Levels levels = levels_of(means[j]);
+    const Light light = window_light(lights, j);
+    const double spacing = model.at(row.samples[j].centre_px.y()).spacing;
     for (std::size_t side = 0; side < 2; ++side) {
-      const auto smooth = edge_of(means[j], static_cast<int>(side), levels.middle[side]);
-      const auto own =
-          smooth ? edge_of(profiles[j], static_cast<int>(side), levels.middle[side]) : std::nullopt;
+      auto smooth = edge_of(means[j], static_cast<int>(side), levels.middle[side]);
+      auto own = smooth ? edge_of(profiles[j], static_cast<int>(side), levels.middle[side]) : std::nullopt;
+      if (light.row > 0.0F && light.ground[side] > 0.0F) {
+        const double mixed_px = std::hypot(kMixedPx, map.scale_u);
+        const double shift =
+            mixing_shift(static_cast<double>(light.row / light.ground[side])) * mixed_px / spacing;
+        if (smooth) *smooth += shift;
+        if (own) *own += shift;
+      }
       measured.smooth[side].push_back(smooth);
       measured.own[side].push_back(own);
       if (smooth && own) residuals[side].push_back(*own - *smooth);
@@ -322,6 +352,7 @@ void shape_rows(const GreenMap& map, const CommonModel& model, std::vector<RowLi
   const double px_floor =
       0.25 * map.scale_u;  // a quarter of a map's pixel: what a step's place is worth after area averaging
   const double v_middle = 0.5 * (map.height * map.scale_v - 1.0);
+  const std::vector<float> sums = running_sums(map);
   std::vector<Profile> profiles;
   for (RowLine& row : rows) {
     if (row.samples.size() < 2) continue;
@@ -329,7 +360,7 @@ void shape_rows(const GreenMap& map, const CommonModel& model, std::vector<RowLi
     profiles.clear();
     for (const RowSample& sample : row.samples) {
       const double v = sample.centre_px.y();
-      profiles.push_back(sample_profile(map, model, row.index, v - 0.5 * step, v + 0.499 * step));
+      profiles.push_back(sample_profile(map, sums, model, row.index, v - 0.5 * step, v + 0.499 * step));
     }
     const Measured measured = measure(map, model, row, profiles);
     row.half_width_px = half_width_at(measured, model, v_middle, px_floor, row);
