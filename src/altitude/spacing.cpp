@@ -141,6 +141,16 @@ int distinct_rows(const std::vector<EdgeLine>& lines) {
   return static_cast<int>(rows.size());
 }
 
+/// A row that shows no edge has grown into its neighbours, and where its middle lies is the detector's guess;
+/// it counts only when there are not two rows with edges.
+std::vector<EdgeLine> prefer_edges(const std::vector<EdgeLine>& lines) {
+  std::vector<EdgeLine> edges;
+  for (const EdgeLine& line : lines) {
+    if (line.side != Side::centre) edges.push_back(line);
+  }
+  return distinct_rows(edges) >= 2 ? edges : lines;
+}
+
 /// Lines that the pencil's model holds for: far edges and centres; near edges too when fewer than two rows
 /// are left without them.
 std::vector<EdgeLine> pencil_lines(const std::vector<EdgeLine>& lines, const RowAxes<double>& axes) {
@@ -315,7 +325,7 @@ Result<std::vector<EdgeLine>> usable_lines(const RowsOnUnitPlane& rows) {
       }
     }
   }
-  std::vector<EdgeLine> lines = reduce_to_lines(rows);
+  std::vector<EdgeLine> lines = prefer_edges(reduce_to_lines(rows));
   const int distinct = distinct_rows(lines);
   if (distinct >= 2) return lines;
   const bool shared = rows.rows.size() >= 2 && !lines.empty();
