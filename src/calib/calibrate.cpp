@@ -226,6 +226,9 @@ void fill_covariance(const Round& round, const CalibrateOptions& options, Calibr
         "the pictures leave some combination of the parameters undetermined: no sigma can be given");
     return;
   }
+  for (std::size_t i = 0; i < round.order.size(); ++i) {
+    out.views[round.order[i]].information = info.view_gain[i] / (out.sigma0_px * out.sigma0_px);
+  }
   const Eigen::MatrixXd full =
       out.sigma0_px * out.sigma0_px * round.model.basis * shared * round.model.basis.transpose();
   const Eigen::Index n = round.model.intrinsics_count();

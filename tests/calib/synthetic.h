@@ -34,6 +34,7 @@ struct Session {
   double largest_tilt_rad = 0.7;
   double nearest_m = 0.45, farthest_m = 1.1;
   std::uint64_t seed = 1;
+  double largest_roll_rad = 0.2;  ///< about the viewing direction
 };
 
 /// Corners of a board (bent by `warp_m`, as warped_corner() has it) held before a camera, with Gaussian
@@ -46,9 +47,10 @@ inline std::vector<target::BoardDetection> session(const Camera& camera, const t
   while (static_cast<int>(out.size()) < how.views) {
     const double distance = random.uniform(how.nearest_m, how.farthest_m);
     Rigid3 pose;
-    pose.rotation = geom::rotation_from_vector(
-        Eigen::Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), 0.3 * random.uniform(-1, 1)) *
-        how.largest_tilt_rad);
+    pose.rotation =
+        geom::rotation_from_vector(Eigen::Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), 0.0) *
+                                   how.largest_tilt_rad) *
+        geom::rotation_from_vector(Eigen::Vector3d(0.0, 0.0, random.uniform(-1, 1) * how.largest_roll_rad));
     const Eigen::Vector3d middle(0.5 * (board.corners_x - 1) * board.square_m,
                                  0.5 * (board.corners_y - 1) * board.square_m, 0.0);
     pose.translation =

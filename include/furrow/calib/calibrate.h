@@ -40,6 +40,10 @@ struct View {
   Rigid3 cam_from_board;
   std::vector<Eigen::Vector2d> observed_px;
   std::vector<Eigen::Vector2d> residual_px;  ///< observed - projected
+  /// What this view tells about the solved parameters (fx, fy or f, cx, cy, ...) with its own pose unknown:
+  /// their information matrix over sigma0 squared; all views' sum is the inverse of the parameters'
+  /// covariance. 0 x 0 when not used.
+  Eigen::MatrixXd information;
 };
 
 /// A solved camera with everything a report needs.

@@ -1,0 +1,28 @@
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "furrow/camera/camera.h"
+
+namespace furrow::camera {
+
+/// How far two cameras of one size disagree, after the turn between them that says nothing (nobody knows a
+/// lens's own axes better than its calibration did) is taken out.
+struct CameraDifference {
+  Eigen::Vector3d b_from_a_rad = Eigen::Vector3d::Zero();  ///< that turn, as a rotation vector
+  double rms_px = 0.0;  ///< root mean square distance over the places compared
+  double largest_px = 0.0;
+  /// What the two covariances let one expect for rms_px; NaN when either is unknown.
+  double expected_rms_px = 0.0;
+  int columns = 0, rows = 0;
+  std::vector<Eigen::Vector2d> at_px;  ///< places in a, row by row
+  std::vector<Eigen::Vector2d>
+      difference_px;            ///< b's pixel of the same direction minus a's; NaN where either has none
+  double compared_share = 0.0;  ///< of the places
+};
+
+/// Compares on a grid of columns x rows places over the picture, at infinity. Errors: picture_sizes_differ;
+/// cameras_do_not_meet (fewer than 3 places have a ray in both).
+Result<CameraDifference> compare_cameras(const Camera& a, const Camera& b, int columns = 24, int rows = 16);
+
+}  // namespace furrow::camera
