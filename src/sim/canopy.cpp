@@ -114,6 +114,13 @@ bool Canopy::has_inner(int level) {
   return stretch_of(level) * widen_of(level) <= kCoarsestWithInner;
 }
 
+std::array<Eigen::Vector2f, 4> rectangle_outline() {
+  // A hexagon of circumradius 1 has the area 3 sqrt(3) / 2, and reaches sqrt(3) / 2 across: so does this.
+  const float along = 0.75F, across = std::sqrt(3.0F) / 2.0F;
+  return {Eigen::Vector2f(-along, -across), Eigen::Vector2f(along, -across), Eigen::Vector2f(along, across),
+          Eigen::Vector2f(-along, across)};
+}
+
 std::array<Eigen::Vector2f, 4> blade_outline(float taper) {
   return {Eigen::Vector2f(-1, -1), Eigen::Vector2f(1, -taper), Eigen::Vector2f(1, taper),
           Eigen::Vector2f(-1, 1)};

@@ -145,6 +145,8 @@ inline constexpr int kHexagonCorners = 6;
 inline constexpr int kLobedCorners = 10;
 std::array<Eigen::Vector2f, kHexagonCorners> hexagon_outline();
 std::array<Eigen::Vector2f, kLobedCorners> lobed_outline();
+/// As large as the hexagon.
+std::array<Eigen::Vector2f, 4> rectangle_outline();
 std::array<Eigen::Vector2f, 4> blade_outline(float taper);
 
 }  // namespace furrow::sim

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr double kFarthest_m = 4000.0;   // beyond it the land is one with the haze
-constexpr double kAirLength_m = 2200.0;  // distance over which haze takes all but 1/e
+constexpr double kAirLength_m = 5000.0;  // distance over which haze takes all but 1/e
 const Vector3f kHaze(0.36F, 0.41F, 0.45F);
 
 float ramp(double x, double low, double high) {

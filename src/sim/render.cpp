@@ -23,13 +23,15 @@ using Eigen::Vector3f;
 
 constexpr double kNearest_m = 0.15;     // nothing nearer than that is drawn
 constexpr double kPieceRadius_m = 1.3;  // of a piece of row about its middle, beyond its half width
-constexpr double kAlong_px = 4.5;       // leaves may grow along the row up to this in the picture
-constexpr double kAcross_px = 3.0;      // and across it
+constexpr double kAlong_px = 6.0;       // leaves may grow along the row up to this in the picture
+constexpr double kAcross_px = 3.5;      // and across it
 constexpr double kLobed_px = 9.0;       // half size in the picture from which a leaf shows its lobes
 constexpr double kReach = 1.45;         // no corner of a leaf is farther from its middle, in half sizes
-constexpr double kExact_px = 5.0;       // half size up to which one linear map serves a whole leaf
-constexpr int kRollingNodes = 33;       // poses along a rolling-shutter picture
-constexpr int kMostExposures = 8;       // pictures averaged for motion blur
+constexpr double kHexagon_px =
+    2.5;  // half size from which a leaf is a hexagon; below, a rectangle of the same area
+constexpr double kExact_px = 5.0;  // half size up to which one linear map serves a whole leaf
+constexpr int kRollingNodes = 33;  // poses along a rolling-shutter picture
+constexpr int kMostExposures = 8;  // pictures averaged for motion blur
 
 struct Pose {
   Eigen::Matrix3d cam_from_plan;
@@ -245,13 +247,15 @@ class Painter {
   void outline(const Leaf& leaf, double half_px, const Vector3d& at, const Vector3d& along,
                const Vector3d& across, const Vector2f& middle) {
     static const auto kHexagon = hexagon_outline();
+    static const auto kRectangle = rectangle_outline();
     static const auto kLobed = lobed_outline();
     const std::array<Vector2f, 4> blade = blade_outline(leaf.taper);
     std::span<const Vector2f> shape = blade;
     if (leaf.shape == Shape::leaf && half_px > kLobed_px) {
       shape = kLobed;
     } else if (leaf.shape == Shape::leaf) {
-      shape = kHexagon;
+      shape = kRectangle;
+      if (half_px > kHexagon_px) shape = kHexagon;
     }
     corners_.clear();
     if (half_px <= kExact_px) {
