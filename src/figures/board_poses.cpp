@@ -327,6 +327,7 @@ Result<Figure> board_poses(const calib::Calibration& calibration, const FigureOp
   const double room_height = fit(view, room, {kMarginPt + kScalesPt, top},
                                  drawing.width_pt - 2 * (kMarginPt + kScalesPt), drawing.height_pt);
   std::vector<double> errors;
+  errors.reserve(boards.size());
   for (const BoardDrawn& board : boards) errors.push_back(board.mean_error_px);
   const Axis scale = axis_over("mean reprojection error / px", errors, 5, true);
 

@@ -194,14 +194,14 @@ Image average_down(const std::uint8_t* pixels, int width, int height, int times)
   std::vector<int> sums(wide_bytes);
   for (int v = 0; v < height; ++v) {
     std::fill(sums.begin(), sums.end(), 0);
-    for (int row = 0; row < times; ++row) {
-      const std::uint8_t* from =
-          pixels + wide_bytes * static_cast<std::size_t>((height - 1 - v) * times + row);
+    const std::uint8_t* from =
+        pixels + wide_bytes * static_cast<std::size_t>(height - 1 - v) * static_cast<std::size_t>(times);
+    for (int row = 0; row < times; ++row, from += wide_bytes) {
       for (std::size_t i = 0; i < wide_bytes; ++i) sums[i] += from[i];
     }
     std::uint8_t* to = small.at(0, v);
     const int* block = sums.data();
-    for (int u = 0; u < width; ++u, to += 3, block += 3 * times) {
+    for (int u = 0; u < width; ++u, to += 3, block += 3 * static_cast<std::ptrdiff_t>(times)) {
       for (int c = 0; c < 3; ++c) {
         int sum = count / 2;
         for (int column = 0; column < times; ++column) sum += block[3 * column + c];

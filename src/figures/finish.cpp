@@ -60,6 +60,12 @@ std::string file_stem(const std::string& shot_id) {
   return stem.empty() ? "shot" : stem;
 }
 
+std::string beyond_text(int beyond) {
+  if (beyond <= 0) return "";
+  return " Arrows at the frame: " + count_of(static_cast<std::size_t>(beyond), "value") +
+         " beyond the axis (numbers in the data table).";
+}
+
 Status write_figure(const std::filesystem::path& folder, const Figure& figure) {
   FURROW_DO(base::write_file(folder / (figure.name + ".png"), figure.png));
   FURROW_DO(base::write_file(folder / (figure.name + ".svg"), figure.svg));

@@ -26,4 +26,7 @@ std::string file_stem(const std::string& shot_id);
 /// "1 shot", "3 shots".
 std::string count_of(std::size_t count, const std::string& thing);
 
+/// What a caption says of values beyond the axis; empty for none.
+std::string beyond_text(int beyond);
+
 }  // namespace furrow::figures

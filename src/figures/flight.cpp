@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "figures/finish.h"
+#include "figures/looks.h"
 #include "figures/plot.h"
 #include "furrow/figures/figures.h"
 
@@ -130,10 +131,7 @@ Result<Figure> draw_over_shots(OverShots wanted, const std::vector<ShotRecord>& 
   if (wanted.zero_line) draw_level(drawing, frame, 0.0, kInk, {}, 0.6);
   // The first curve is the one that matters: it is painted last, over the others.
   std::reverse(series.begin(), series.end());
-  if (const int beyond = draw_series(drawing, frame, series); beyond > 0) {
-    wanted.caption += " Arrows at the frame: " + count_of(static_cast<std::size_t>(beyond), "value") +
-                      " beyond the axis (numbers in the data table).";
-  }
+  wanted.caption += beyond_text(draw_series(drawing, frame, series));
   return finish(wanted.name, wanted.caption, drawing, table_of(records, wanted.curves), options);
 }
 
@@ -141,33 +139,6 @@ std::size_t count_finite(const std::vector<ShotRecord>& records,
                          const std::function<double(const ShotRecord&)>& value) {
   return static_cast<std::size_t>(std::count_if(
       records.begin(), records.end(), [&](const ShotRecord& r) { return std::isfinite(value(r)); }));
-}
-
-Series look(const std::string& name, Colour colour, double line_pt, Dash dash, Marker marker) {
-  Series series;
-  series.name = name;
-  series.colour = colour;
-  series.line_pt = line_pt;
-  series.dash = std::move(dash);
-  series.marker = marker;
-  return series;
-}
-
-// One look per source of a number, the same in every figure.
-Series refined_look(const std::string& name) {
-  return look(name, kBlue, 1.3, {}, Marker::circle);
-}
-Series log_look(const std::string& name) {
-  return look(name, kOrange, 1.1, {5.0, 2.0}, Marker::square);
-}
-Series vps_look(const std::string& name) {
-  return look(name, kGreen, 1.0, {6.0, 1.8, 1.2, 1.8}, Marker::diamond);
-}
-Series thesis_look(const std::string& name) {
-  return look(name, kVermillion, 0.0, {}, Marker::triangle);
-}
-Series truth_look(const std::string& name) {
-  return look(name, kBlack, 0.9, {}, Marker::ring);
 }
 
 }  // namespace
@@ -179,21 +150,20 @@ Result<Figure> heights_over_shots(const std::vector<ShotRecord>& records, double
   OverShots wanted;
   wanted.name = "heights_over_shots";
   wanted.y_text = over_ground ? "height above ground / m" : "height above canopy / m";
-  wanted.curves = {{refined_look("refined from rows, \u00b11\u03c3"),
-                    over_ground ? "above_ground_refined_m" : "above_canopy_refined_m",
+  wanted.curves = {{refined_look(), over_ground ? "above_ground_refined_m" : "above_canopy_refined_m",
                     [=](const ShotRecord& r) {
                       return over_ground ? r.above_ground_refined_m : r.above_canopy_refined_m;
                     }},
-                   {truth_look("truth"), over_ground ? "above_ground_truth_m" : "above_canopy_truth_m",
+                   {truth_look(), over_ground ? "above_ground_truth_m" : "above_canopy_truth_m",
                     [=](const ShotRecord& r) { return bare(r.truth_above_canopy_m + lift_m); }}};
   if (over_ground) {
     wanted.curves.push_back({log_look("log, above take-off"), "height_takeoff_m",
                              [](const ShotRecord& r) { return bare(r.height_takeoff_m); }});
-    wanted.curves.push_back({vps_look("VPS, above surface"), "height_vps_m",
-                             [](const ShotRecord& r) { return bare(r.height_vps_m); }});
+    wanted.curves.push_back(
+        {vps_look(), "height_vps_m", [](const ShotRecord& r) { return bare(r.height_vps_m); }});
   }
   wanted.curves.push_back(
-      {thesis_look("thesis formula"), over_ground ? "above_ground_thesis_m" : "above_canopy_thesis_m",
+      {thesis_look(), over_ground ? "above_ground_thesis_m" : "above_canopy_thesis_m",
        [=](const ShotRecord& r) { return bare(plus(r.above_canopy_thesis_m, lift_m).value); }, false});
   const std::size_t estimated =
       count_finite(records, [](const ShotRecord& r) { return r.above_canopy_refined_m.value; });
@@ -214,8 +184,7 @@ Result<Figure> pitch_over_shots(const std::vector<ShotRecord>& records, const Fi
   wanted.name = "pitch_over_shots";
   wanted.y_text = "camera pitch / \u00b0";
   wanted.curves = {
-      {refined_look("refined from rows, \u00b11\u03c3"), "pitch_refined_deg",
-       [](const ShotRecord& r) { return r.pitch_deg; }},
+      {refined_look(), "pitch_refined_deg", [](const ShotRecord& r) { return r.pitch_deg; }},
       {log_look("log, gimbal"), "pitch_log_deg", [](const ShotRecord& r) { return bare(r.pitch_log_deg); }}};
   double sum = 0.0;
   std::size_t pairs = 0;
@@ -240,8 +209,7 @@ Result<Figure> cross_track_over_shots(const std::vector<ShotRecord>& records, co
   wanted.name = "cross_track_over_shots";
   wanted.y_text = "cross-track offset, left of row / m";
   wanted.zero_line = true;
-  wanted.curves = {{refined_look("refined from rows, \u00b11\u03c3"), "cross_track_m",
-                    [](const ShotRecord& r) { return r.cross_track_m; }}};
+  wanted.curves = {{refined_look(), "cross_track_m", [](const ShotRecord& r) { return r.cross_track_m; }}};
   wanted.caption =
       "Place of the camera across the followed row, in " +
       std::to_string(count_finite(records, [](const ShotRecord& r) { return r.cross_track_m.value; })) +
