@@ -5,6 +5,7 @@
 
 #include "furrow/base/random.h"
 #include "furrow/camera/camera.h"
+#include "furrow/geom/rigid3.h"
 #include "furrow/target/detect.h"
 
 namespace furrow::calib {

@@ -1,0 +1,277 @@
+// Boards found, fit and time of calibration on every set at hand, with OpenCV and mrcal on the same corners
+// in the same run.
+//
+//   bench_calibration [--data DIR] [--finders] [--no-mrcal] [NAME...]
+//
+// --finders also runs OpenCV's two finders (minutes on large pictures). RMS is sqrt(sum of squared distances
+// / corners) for all; mrcal prints it per coordinate, so its number is multiplied by sqrt(2). mrcal's time is
+// that of its program, Python's start included; its own solver is the smaller part.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "calib/synthetic.h"
+#include "furrow/base/file.h"
+#include "furrow/base/text.h"
+#include "furrow/calib/calibrate.h"
+#include "furrow/camera/compare.h"
+#include "furrow/camera/model_files.h"
+
+namespace fs = std::filesystem;
+using namespace furrow;
+
+namespace {
+
+struct Set {
+  const char* name;
+  const char* pattern;
+  int corners_x, corners_y;
+  double square_m;
+};
+constexpr Set kSets[] = {
+    {"opencv-left", "/usr/share/doc/opencv-doc/examples/data/left??.jpg", 9, 6, 0.025},
+    {"opencv-right", "/usr/share/doc/opencv-doc/examples/data/right??.jpg", 9, 6, 0.025},
+    {"gopro", "calib/gopro-hero4-udacity/images/*.jpg", 8, 6, 0.03},
+    {"sourishg", "calib/sourishg-left/images/*.jpg", 9, 6, 0.02423},
+    {"sony", "calib/boofcv-sony-hx5v/images/*.jpg", 6, 4, 0.03},
+    {"bumblebee-left", "calib/boofcv-bumblebee2-left/images/*.jpg", 6, 4, 0.03},
+    {"bumblebee-right", "calib/boofcv-bumblebee2-right/images/*.jpg", 6, 4, 0.03},
+    {"tello", "calib/tello-archdrone/images/*.jpg", 7, 7, 0.03},
+    {"mini-se", "flights/mini-se/checkerboard/*.jpg", 9, 6, 0.025},
+    {"theta-fisheye", "calib/boofcv-fisheye-theta/images/*.jpg", 6, 4, 0.03},
+};
+
+double seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+struct OpenCvResult {
+  double rms_px, fx, time_s;
+};
+
+OpenCvResult opencv_solves(const std::vector<target::BoardDetection>& detections,
+                           const target::BoardSpec& board) {
+  std::vector<std::vector<cv::Point3f>> in_board;
+  std::vector<std::vector<cv::Point2f>> px;
+  cv::Size size;
+  for (const auto& one : detections) {
+    if (!one.found) continue;
+    size = {one.width, one.height};
+    in_board.emplace_back();
+    px.emplace_back();
+    for (const auto& x : target::corners_in_board(board)) {
+      in_board.back().emplace_back(static_cast<float>(x.x()), static_cast<float>(x.y()), 0.0F);
+    }
+    for (const auto& p : one.corners_px)
+      px.back().emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
+  }
+  cv::Mat k, d;
+  std::vector<cv::Mat> r, t;
+  const double start = seconds();
+  const double rms_px = cv::calibrateCamera(in_board, px, size, k, d, r, t, 0);
+  return {rms_px, k.at<double>(0, 0), seconds() - start};
+}
+
+/// Runs mrcal's program on the same corners; nothing when it is not installed or fails.
+struct MrcalResult {
+  bool ok = false;
+  Camera camera;
+  double rms_px = 0.0, time_s = 0.0;
+};
+
+MrcalResult mrcal_solves(const std::vector<target::BoardDetection>& detections,
+                         const target::BoardSpec& board, double focal_px) {
+  const fs::path folder = fs::temp_directory_path() / "furrow_bench_mrcal";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  std::ostringstream corners;
+  corners << "# filename x y level\n";
+  const target::BoardDetection* any = nullptr;
+  for (const auto& one : detections) {
+    if (!one.found) continue;
+    any = &one;
+    for (const auto& p : one.corners_px) {
+      corners << one.image << " " << base::format_double(p.x()) << " " << base::format_double(p.y())
+              << " 0\n";
+    }
+  }
+  if (any == nullptr || !base::write_file(folder / "corners.vnl", corners.str()).ok()) return {};
+  std::ostringstream command;
+  command << "cd '" << folder.string()
+          << "' && mrcal-calibrate-cameras --lensmodel LENSMODEL_OPENCV5 --focal " << focal_px
+          << " --object-spacing " << board.square_m << " --object-width-n " << board.corners_x
+          << " --object-height-n " << board.corners_y << " --imagersize " << any->width << " " << any->height
+          << " --corners-cache corners.vnl --skip-outlier-rejection --skip-calobject-warp-solve --outdir . "
+             "'*' > log.txt 2>&1";
+  const double start = seconds();
+  if (std::system(command.str().c_str()) != 0) return {};
+  MrcalResult out;
+  out.time_s = seconds() - start;
+  const auto files = base::expand_pattern("*.cameramodel", folder);
+  if (!files.ok()) return {};
+  const auto camera = camera::read_camera(files->front());
+  const auto log = base::read_file(folder / "log.txt");
+  if (!camera.ok() || !log.ok()) return {};
+  out.camera = *camera;
+  const std::string mark = "## RMS error: ";
+  const auto at = log->find(mark);
+  if (at != std::string::npos) out.rms_px = std::sqrt(2.0) * std::atof(log->c_str() + at + mark.size());
+  out.ok = true;
+  return out;
+}
+
+int found_by_opencv(const std::vector<fs::path>& files, const Set& set, bool sector_based, double& time_s) {
+  const double start = seconds();
+  int found = 0;
+  for (const auto& file : files) {
+    const auto picture = image::read_image(file);
+    if (!picture.ok()) continue;
+    Image grey = image::to_grey(*picture);
+    const cv::Mat mat(grey.height, grey.width, CV_8U, grey.data.data());
+    std::vector<cv::Point2f> corners;
+    const cv::Size size(set.corners_x, set.corners_y);
+    found += sector_based ? cv::findChessboardCornersSB(mat, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE)
+                          : cv::findChessboardCorners(mat, size, corners);
+  }
+  time_s = seconds() - start;
+  return found;
+}
+
+void bench_set(const Set& set, const fs::path& data, bool finders, bool with_mrcal) {
+  const auto files = base::expand_pattern(set.pattern, data);
+  if (!files.ok()) {
+    std::printf("%-16s not here: %s\n", set.name, files.error().message().c_str());
+    return;
+  }
+  const target::BoardSpec board{set.name, set.corners_x, set.corners_y, set.square_m, 1.0};
+  double start = seconds();
+  const auto detections = target::detect_boards(*files, board, {}, 2);
+  const double detect_s = seconds() - start;
+  const auto found =
+      std::count_if(detections.begin(), detections.end(), [](const auto& d) { return d.found; });
+  start = seconds();
+  const auto ours = calib::calibrate(detections, board);
+  const double solve_s = seconds() - start;
+  std::printf("%-16s %3d of %3zu boards %6.2f s", set.name, static_cast<int>(found), files->size(), detect_s);
+  if (!ours.ok()) {
+    std::printf("  %s\n", ours.error().message().c_str());
+    return;
+  }
+  std::printf(" | furrow %.4f px %.3f s fx %.1f", ours->rms_px, solve_s, ours->camera.fx);
+  const OpenCvResult opencv = opencv_solves(detections, board);
+  std::printf(" | opencv %.4f px %.2f s fx %.1f", opencv.rms_px, opencv.time_s, opencv.fx);
+  const MrcalResult mrcal = with_mrcal ? mrcal_solves(detections, board, ours->camera.fx) : MrcalResult{};
+  if (mrcal.ok) {
+    const auto difference = camera::compare_cameras(ours->camera, mrcal.camera);
+    std::printf(" | mrcal %.4f px %.2f s fx %.1f, differs %.3f px", mrcal.rms_px, mrcal.time_s,
+                mrcal.camera.fx, difference.ok() ? difference->rms_px : -1.0);
+  }
+  if (finders) {
+    double classic_s = 0.0, sector_s = 0.0;
+    const int classic = found_by_opencv(*files, set, false, classic_s),
+              sector = found_by_opencv(*files, set, true, sector_s);
+    std::printf(" | classic %d in %.1f s, SB %d in %.1f s", classic, classic_s, sector, sector_s);
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+/// The published corners of mrcal's 24-megapixel set: 186 views of 10 x 10 with weights.
+void bench_mrcal_board(const fs::path& data) {
+  const fs::path folder = data / "calib/mrcal-board-24mp";
+  const auto text = base::read_file(folder / "corners_weights.vnl");
+  if (!text.ok()) return;
+  std::vector<target::BoardDetection> detections;
+  std::istringstream lines(*text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string image;
+    double x = 0, y = 0, weight = 0;
+    if (line.starts_with('#') || !(words >> image >> x >> y >> weight)) continue;
+    if (detections.empty() || detections.back().image != image) {
+      detections.emplace_back();
+      detections.back().image = image;
+      detections.back().width = 6016;
+      detections.back().height = 4016;
+      detections.back().found = true;
+    }
+    detections.back().corners_px.emplace_back(x, y);
+    detections.back().sigma_px.push_back(weight > 0 ? 1.0 / weight : 1e6);
+  }
+  calib::CalibrateOptions options;
+  options.model = camera::CameraModel::opencv8;
+  options.use_corner_sigma = true;
+  options.solve_warp = true;
+  const double start = seconds();
+  const auto ours = calib::calibrate(detections, {"mrcal-board", 10, 10, 0.077, 1.0}, options);
+  const double solve_s = seconds() - start;
+  if (!ours.ok()) {
+    std::printf("mrcal-board-24mp %s\n", ours.error().message().c_str());
+    return;
+  }
+  std::printf("mrcal-board-24mp %zu views %.2f s, fx %.2f fy %.2f, warp %.3f %.3f mm", detections.size(),
+              solve_s, ours->camera.fx, ours->camera.fy, 1e3 * ours->board_warp_x_m.value,
+              1e3 * ours->board_warp_y_m.value);
+  const auto published = camera::read_camera(folder / "opencv8-0.cameramodel");
+  if (published.ok()) {
+    const auto difference = camera::compare_cameras(ours->camera, *published);
+    if (difference.ok())
+      std::printf("; differs %.3f px from the published solve (fx %.2f)", difference->rms_px, published->fx);
+  }
+  std::printf("\n");
+}
+
+void bench_growth() {
+  for (const int views : {20, 100, 500, 2000}) {
+    calib::Session how;
+    how.views = views;
+    const auto detections = calib::session(calib::true_camera(), calib::true_board(), how);
+    const double start = seconds();
+    const auto ours = calib::calibrate(detections, calib::true_board());
+    const double time_s = seconds() - start;
+    std::printf("synthetic %4d views %.3f s, %.3f ms a view, fx %.3f +- %.3f (truth %.3f)\n", views, time_s,
+                1e3 * time_s / views, ours.ok() ? ours->camera.fx : 0.0,
+                ours.ok() ? std::sqrt(ours->camera.covariance(0, 0)) : 0.0, calib::true_camera().fx);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const char* set_by_environment = std::getenv("FURROW_DATA");
+  fs::path data = set_by_environment != nullptr ? set_by_environment : FURROW_SOURCE_DIR "/../shared/data";
+  bool finders = false, with_mrcal = std::system("command -v mrcal-calibrate-cameras > /dev/null") == 0;
+  std::vector<std::string> names;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--data" && i + 1 < argc) {
+      data = argv[++i];
+    } else if (word == "--finders") {
+      finders = true;
+    } else if (word == "--no-mrcal") {
+      with_mrcal = false;
+    } else {
+      names.push_back(word);
+    }
+  }
+  for (const Set& set : kSets) {
+    if (names.empty() || std::find(names.begin(), names.end(), set.name) != names.end()) {
+      bench_set(set, data, finders, with_mrcal);
+    }
+  }
+  if (names.empty()) {
+    bench_mrcal_board(data);
+    bench_growth();
+  }
+  return 0;
+}
