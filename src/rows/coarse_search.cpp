@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 namespace furrow::rows {
 namespace {
@@ -86,16 +87,32 @@ struct Aligned {
 };
 
 void align(const Rectified& rectified, double slope, double bend, Aligned& out) {
-  out.sum.fill(0);
   std::array<float, kBins + 1> steps{};
   constexpr int bins = static_cast<int>(kBins);
-  for (const Line& line : rectified.lines) {
+  constexpr std::size_t kMostLines = 64;
+  std::array<const std::int16_t*, kMostLines> values{};
+  const std::size_t lines = std::min(rectified.lines.size(), kMostLines);
+  for (std::size_t j = 0; j < lines; ++j) {
+    const Line& line = rectified.lines[j];
     const double shift = line.y * (slope + line.y * bend) / rectified.bin_px;
     const int offset = static_cast<int>(std::clamp(shift + bins + 0.5, 0.0, 2.0 * bins));
-    const std::int16_t* value = line.value.data() + offset;
-    for (std::size_t i = 0; i < kBins; ++i) out.sum[i] = static_cast<std::int16_t>(out.sum[i] + value[i]);
+    values[j] = line.value.data() + offset;
     steps[static_cast<std::size_t>(std::clamp(line.first - offset, 0, bins))] += line.weight;
     steps[static_cast<std::size_t>(std::clamp(line.last + 1 - offset, 0, bins))] -= line.weight;
+  }
+  // In blocks that stay in registers: this is the most of the search.
+  constexpr std::size_t kLanes = 8, kBlock = 4 * kLanes;
+  using Lanes [[gnu::vector_size(16)]] = std::int16_t;
+  static_assert(kBins % kBlock == 0 && sizeof(Lanes) == kLanes * sizeof(std::int16_t));
+  for (std::size_t from = 0; from < kBins; from += kBlock) {
+    Lanes a{}, b{}, c{}, d{};
+    for (std::size_t j = 0; j < lines; ++j) {
+      std::array<Lanes, 4> in;
+      std::memcpy(in.data(), values[j] + from, sizeof in);
+      a += in[0], b += in[1], c += in[2], d += in[3];
+    }
+    const std::array<Lanes, 4> sums = {a, b, c, d};
+    std::memcpy(out.sum.data() + from, sums.data(), sizeof sums);
   }
   float weight = 0.0F;
   for (std::size_t i = 0; i < kBins; ++i) out.weight[i] = weight += steps[i];

@@ -110,23 +110,32 @@ void strip_costs(const Response& response, std::size_t j, const PlanarField& fie
   }
 }
 
-/// Adds the cheapest way from the strip below.
+/// Adds the cheapest way from the strip below: at most two states of shift and one of stretch, at the cost of
+/// their squares. The cost is a sum, so the two are minimised one after the other.
 void add_transitions(const std::vector<Step>& below, float stiffness, std::vector<Step>& here) {
+  std::array<Step, kStates> stretched;
   for (int d = -kShifts; d <= kShifts; ++d) {
     for (int e = -kStretches; e <= kStretches; ++e) {
-      float best = 1e9F;
-      int from = -1;
+      Step best{1e9F, -1};
+      for (int ee = std::max(-kStretches, e - 1); ee <= std::min(kStretches, e + 1); ++ee) {
+        const float cost =
+            below[static_cast<std::size_t>(state_of(d, ee))].cost + (ee == e ? 0.0F : stiffness);
+        if (cost < best.cost) best = {cost, state_of(d, ee)};
+      }
+      stretched[static_cast<std::size_t>(state_of(d, e))] = best;
+    }
+  }
+  for (int d = -kShifts; d <= kShifts; ++d) {
+    for (int e = -kStretches; e <= kStretches; ++e) {
+      Step best{1e9F, -1};
       for (int dd = std::max(-kShifts, d - 2); dd <= std::min(kShifts, d + 2); ++dd) {
-        for (int ee = std::max(-kStretches, e - 1); ee <= std::min(kStretches, e + 1); ++ee) {
-          const int moves = (d - dd) * (d - dd) + (e - ee) * (e - ee);
-          const float cost =
-              below[static_cast<std::size_t>(state_of(dd, ee))].cost + stiffness * static_cast<float>(moves);
-          if (cost < best) best = cost, from = state_of(dd, ee);
-        }
+        const Step& one = stretched[static_cast<std::size_t>(state_of(dd, e))];
+        const float cost = one.cost + stiffness * static_cast<float>((d - dd) * (d - dd));
+        if (cost < best.cost) best = {cost, one.from};
       }
       Step& step = here[static_cast<std::size_t>(state_of(d, e))];
-      step.cost += best;
-      step.from = from;
+      step.cost += best.cost;
+      step.from = best.from;
     }
   }
 }
@@ -267,12 +276,23 @@ void settle(const Strips& strips, const SearchPriors& priors, FoundField& found)
   };
   const double centre_k = std::round(near.centre_k);
   const PlanarField direct = settled(found.field);
-  const Response response = respond(strips, direct, found.tooth);
-  const PlanarField followed = settled(fit_to(follow(response, direct, centre_k, kReach), direct));
-  const Response response_followed = respond(strips, followed, found.tooth);
-  const bool is_better = comb_score(response_followed, followed, near) > comb_score(response, direct, near);
-  found.field = is_better ? followed : direct;
-  found.followed = follow(is_better ? response_followed : response, found.field, centre_k, kReach);
+  std::vector<PlanarField> starts = {
+      fit_to(follow(respond(strips, direct, found.tooth), direct, centre_k, kReach), direct)};
+  // Bends that a slip by half a row at the far end brought about go away when the rows start straight.
+  PlanarField straight = direct;
+  straight.bend = straight.bend2 = 0.0;
+  starts.push_back(straight);
+  const auto score = [&](const PlanarField& field) {
+    return comb_score(respond(strips, field, found.tooth), field, near) - bend_cost(field);
+  };
+  found.field = direct;
+  double best = score(direct);
+  for (const PlanarField& start : starts) {
+    const PlanarField one = settled(start);
+    const double value = score(one);
+    if (value > best) best = value, found.field = one;
+  }
+  found.followed = follow(respond(strips, found.field, found.tooth), found.field, centre_k, kReach);
 }
 
 }  // namespace
