@@ -63,13 +63,7 @@ std::vector<telemetry::Shot> read_shots(const Project& project, const JobOptions
     const std::lock_guard lock(mutex);
     base::report(job.progress, "reading metadata", ++done, shots.size());
   });
-  std::map<std::string, int> seen;
-  for (telemetry::Shot& shot : shots) ++seen[shot.image.stem().string()];
-  for (telemetry::Shot& shot : shots) {
-    const std::string stem = shot.image.stem().string();
-    shot.shot_id = seen[stem] > 1 ? shot.image.parent_path().filename().string() + "/" + stem : stem;
-  }
-  return shots;
+  return telemetry::with_unique_ids(std::move(shots));
 }
 
 std::vector<ShotResult> process_shots(const std::vector<telemetry::Shot>& shots, const sync::Located& located,
@@ -218,6 +212,16 @@ Result<RunTables> measure_flight(const Project& project, const JobOptions& job) 
   return tables;
 }
 
+/// By the first shot that states a lens.
+audit::Finding assess_focal(const RunTables& tables) {
+  const Camera& camera = tables.camera.camera;
+  double stated_mm = audit::ShotRecord::kMissing;
+  for (const auto& shot : tables.shots) {
+    if (std::isfinite(stated_mm = shot.focal_length_35mm_mm)) break;
+  }
+  return audit::assess_focal(camera.fx, camera.width, stated_mm);
+}
+
 Status write_tables(const fs::path& out, const RunTables& tables,
                     const std::vector<audit::ShotRecord>& records) {
   FURROW_DO(base::write_file(out / "shots.csv", base::to_csv(audit::shots_table(records))));
@@ -269,6 +273,7 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
   for (const ShotResult& result : tables.results) outcome.records.push_back(result.record);
   const double row_height_m = project.field.row_height_m.value;
   outcome.findings = audit::assess_shots(outcome.records, row_height_m);
+  outcome.findings.push_back(assess_focal(tables));
   if (truth) FURROW_DO(join_truth(outcome.records, *truth));
   FURROW_DO(write_tables(out, tables, outcome.records));
 

@@ -190,6 +190,8 @@ Result<Shot> read_shot(const std::filesystem::path& image) {
     xmp = xmp_tags(*packet);
   shot.camera_model = text_of(exif, "EXIF_Model");
   if (shot.camera_model.empty()) shot.camera_model = text_of(xmp, "tiff:Model");
+  const double focal_35mm = base::parse_double(text_of(exif, "EXIF_FocalLengthIn35mmFilm")).value_or(0.0);
+  if (focal_35mm > 0.0) shot.focal_length_35mm_mm = focal_35mm;
   shot.t_camera_local_ns = base::parse_date_time(text_of(exif, "EXIF_DateTimeOriginal"));
   Track one;
   one.samples.resize(1);

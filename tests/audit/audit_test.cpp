@@ -69,6 +69,15 @@ TEST(AssessShots, JudgesTheLogAgainstTheRows) {
   EXPECT_EQ(find(assess_shots({}, 1.7), "shots.with_height").verdict, Verdict::not_assessed);
 }
 
+TEST(AssessFocal, ComparesWithTheStatedLens) {
+  // A Phantom 4 Pro: 24 mm equivalent on a 3:2 sensor, 8.8 mm of 13.2 mm: 853 px at 1280; the thesis calibrated 874.33.
+  EXPECT_EQ(assess_focal(853.3, 1280, 24.0).verdict, Verdict::pass);
+  EXPECT_EQ(assess_focal(874.33, 1280, 24.0).verdict, Verdict::pass);
+  EXPECT_EQ(assess_focal(964.0, 1280, 24.0).verdict, Verdict::fail);
+  EXPECT_EQ(assess_focal(700.0, 1280, 24.0).verdict, Verdict::fail);
+  EXPECT_EQ(assess_focal(853.0, 1280, ShotRecord::kMissing).verdict, Verdict::not_assessed);
+}
+
 TEST(AssessCalibration, ListsUnusedPictures) {
   calib::Calibration calibration;
   calibration.usable = true;

@@ -17,6 +17,8 @@ struct Shot {
   /// DateTimeOriginal, in the camera's local time without a zone.
   std::optional<base::Nanoseconds> t_camera_local_ns;
   std::string camera_model;  ///< EXIF Model
+  /// EXIF FocalLengthIn35mmFilm: the nominal lens, not a calibration; NaN when absent or 0.
+  double focal_length_35mm_mm = kMissing;
   std::vector<std::string> warnings;
 };
 
