@@ -124,7 +124,7 @@ MrcalResult mrcal_solves(const std::vector<target::BoardDetection>& detections,
   if (!camera.ok() || !log.ok()) return {};
   out.camera = *camera;
   const std::string mark = "## RMS error: ";
-  const auto at = log->find(mark);
+  const auto at = log->rfind(mark);  // one a stage; the last is the full solve
   if (at != std::string::npos) out.rms_px = std::sqrt(2.0) * std::atof(log->c_str() + at + mark.size());
   out.ok = true;
   return out;
