@@ -107,11 +107,17 @@ Inflation inflation_of(const std::vector<double>& places, double rho) {
   return {offset / static_cast<double>(places.size()), slope / squares};
 }
 
-/// Scatter and correlation along the rows, pooled over a shot's lines.
+/// Scatter and correlation along the rows, typical of a shot's lines.
 struct Noise {
   double variance_ratio = 1.0;  ///< scatter seen / claimed
   double rho = 0.0;             ///< between neighbouring samples
 };
+
+double squares_of(const Line& line) {
+  double squares = 0.0;
+  for (const double score : line.scores) squares += score * score;
+  return squares;
+}
 
 /// What the sums of squares and of neighbours' products of all residuals would be for unit variance and this
 /// rho: a fitted line takes its own two variances out of both (eq. 4.4).
@@ -119,14 +125,24 @@ struct ExpectedSums {
   double squares = 0.0, products = 0.0;
 };
 
+ExpectedSums expected_sums(const Line& line, double rho) {
+  const double n = static_cast<double>(line.scores.size());
+  const Inflation inflation = inflation_of(line.places, rho);
+  const double absorbed = inflation.offset + inflation.slope;
+  return {std::max(0.0, n - absorbed), rho * (n - 1.0) - absorbed * (n - 1.0) / n};
+}
+
+/// A line's scatter over what it claims, drawn towards `typical` by as much as kClaimWeight samples.
+double variance_ratio(const Line& line, double typical, double rho) {
+  return (kClaimWeight * typical + squares_of(line)) / (kClaimWeight + expected_sums(line, rho).squares);
+}
+
 ExpectedSums expected_sums(const std::vector<Line>& lines, double rho) {
   ExpectedSums sums;
   for (const Line& line : lines) {
-    const double n = static_cast<double>(line.scores.size());
-    const Inflation inflation = inflation_of(line.places, rho);
-    const double absorbed = inflation.offset + inflation.slope;
-    sums.squares += std::max(0.0, n - absorbed);
-    sums.products += rho * (n - 1.0) - absorbed * (n - 1.0) / n;
+    const ExpectedSums own = expected_sums(line, rho);
+    sums.squares += own.squares;
+    sums.products += own.products;
   }
   return sums;
 }
@@ -134,10 +150,8 @@ ExpectedSums expected_sums(const std::vector<Line>& lines, double rho) {
 Noise pooled_noise(const std::vector<Line>& lines) {
   double squares = 0.0, products = 0.0;
   for (const Line& line : lines) {
-    for (std::size_t i = 0; i < line.scores.size(); ++i) {
-      squares += line.scores[i] * line.scores[i];
-      if (i > 0) products += line.scores[i] * line.scores[i - 1];
-    }
+    squares += squares_of(line);
+    for (std::size_t i = 1; i < line.scores.size(); ++i) products += line.scores[i] * line.scores[i - 1];
   }
   Noise noise;
   double low = 0.0, high = kMaxCorrelation;
@@ -148,7 +162,9 @@ Noise pooled_noise(const std::vector<Line>& lines) {
     (sums.products * squares < products * sums.squares ? low : high) = middle;
   }
   noise.rho = low;
-  noise.variance_ratio = (kClaimWeight + squares) / (kClaimWeight + expected_sums(lines, noise.rho).squares);
+  std::vector<double> ratios;
+  for (const Line& line : lines) ratios.push_back(variance_ratio(line, 1.0, noise.rho));
+  noise.variance_ratio = stats::median(ratios);
   return noise;
 }
 
@@ -156,8 +172,9 @@ Noise pooled_noise(const std::vector<Line>& lines) {
 /// the scatter is common to the row and does not.
 void set_variances(const Line& line, const Noise& noise, EdgeLine& edge) {
   const Inflation inflation = inflation_of(line.places, noise.rho);
-  const double scatter = noise.variance_ratio / line.weight_sum;
-  const double common = std::max(0.0, 1.0 - noise.variance_ratio) * line.mean_sigma2;
+  const double ratio = variance_ratio(line, noise.variance_ratio, noise.rho);
+  const double scatter = ratio / line.weight_sum;
+  const double common = std::max(0.0, 1.0 - ratio) * line.mean_sigma2;
   edge.variance = scatter * (inflation.offset + inflation.slope) + common;
   edge.covariance = scatter * (inflation.offset - inflation.slope);
 }

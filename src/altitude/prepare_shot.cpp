@@ -123,7 +123,8 @@ Result<PreparedShot> prepare_directions(const RowsOnUnitPlane& directions, const
   weigh(shot.system, shot.x);
   const SolveReport report = solve(shot.system, shot.x, true, options);
   shot.iterations = report.iterations;
-  if (report.usable) shot.rows_left_out = drop_outliers(shot.system, shot.x, options.outlier_chance);
+  shot.rows_left_out = pencil.rows_left_out;
+  if (report.usable) shot.rows_left_out += drop_outliers(shot.system, shot.x, options.outlier_chance);
   weigh(shot.system, shot.x);
   return shot;
 }

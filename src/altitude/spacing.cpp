@@ -11,6 +11,7 @@
 
 #include "furrow/base/text.h"
 #include "furrow/geom/angles.h"
+#include "furrow/stats/robust.h"
 
 namespace furrow::altitude {
 namespace {
@@ -209,18 +210,51 @@ struct PencilResidual {
   }
 };
 
-/// Straight line through slopes over row index: the start of a and b.
+/// Differences of slope over difference of index between lines whose rows are at most `reach` apart.
+std::vector<double> slope_steps(const std::vector<double>& places, const std::vector<double>& slopes,
+                                const std::vector<EdgeLine>& lines, int reach) {
+  std::vector<double> steps;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const int apart = std::abs(lines[i].row - lines[j].row);
+      if (apart >= 1 && apart <= reach) steps.push_back((slopes[i] - slopes[j]) / (places[i] - places[j]));
+    }
+  }
+  return steps;
+}
+
+/// Straight line through slopes over row index by medians (Theil and Sen), so that rows with a wrong index do
+/// not matter: the start of a and b. Neighbours first, since a detector that miscounts does so over a gap.
+/// With g = -ratio b: slope = a + b (k - ratio * half widths).
 void start_slopes(const std::vector<EdgeLine>& lines, const RowAxes<double>& axes, double ratio,
                   PencilVector& x) {
-  // With g = -ratio b: slope = a + b (k - ratio * half widths).
-  double n = 0.0, sk = 0.0, st = 0.0, skk = 0.0, skt = 0.0;
+  std::vector<double> places, slopes, offsets;
   for (const EdgeLine& line : lines) {
-    const double k = line.row - ratio * half_widths(line), t = slope_at(axes, line);
-    n += 1.0, sk += k, st += t, skk += k * k, skt += k * t;
+    places.push_back(line.row - ratio * half_widths(line));
+    slopes.push_back(slope_at(axes, line));
   }
-  x[kPencilB] = (n * skt - sk * st) / (n * skk - sk * sk);
-  x[kPencilA] = (st - x[kPencilB] * sk) / n;
+  std::vector<double> steps = slope_steps(places, slopes, lines, 1);
+  if (steps.empty()) steps = slope_steps(places, slopes, lines, std::numeric_limits<int>::max());
+  x[kPencilB] = stats::median(steps);
+  for (std::size_t i = 0; i < lines.size(); ++i) offsets.push_back(slopes[i] - x[kPencilB] * places[i]);
+  x[kPencilA] = stats::median(offsets);
   x[kPencilG] = -ratio * x[kPencilB];
+}
+
+/// Whether a line lies where an edge of its row can lie, within half a spacing (eq. 3.6): at the top edge;
+/// or, for the near edge, from there to the foot of a wall as deep as the spacing, but not before the far
+/// edge of the row in front. Others carry a wrong index.
+bool lies_at_its_row(const EdgeLine& line, double slope, const PencilVector& x) {
+  const double b = x[kPencilB], side = half_widths(line);
+  const double top = x[kPencilA] + b * line.row + x[kPencilG] * side;
+  const double margin = 0.5 * std::abs(b);
+  if (side == 0.0 || side * top >= 0.0) return std::abs(slope - top) <= margin;
+  // Distances from the foot of the camera, both positive on the row's own side.
+  const double away = top < 0.0 ? -1.0 : 1.0;
+  const double foot = away * top / (1.0 + std::abs(b));
+  const double front = away * top - std::abs(b) + 2.0 * x[kPencilG];
+  const double seen = away * slope;
+  return seen <= away * top + margin && seen >= std::max(foot, front) - margin;
 }
 
 /// Half width over spacing with sigma, and the rows' wander over spacing.
@@ -375,11 +409,22 @@ Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& fie
     return degenerate("camera_along_horizon", "fewer than two rows below the horizon of the rows' plane",
                       "a camera that looks down on the rows");
   }
-  const std::vector<EdgeLine> tops = pencil_lines(lines, axes);
+  std::vector<EdgeLine> tops = pencil_lines(lines, axes);
   const RelativeFarm farm = relative_farm(field);
   Pencil pencil;
   pencil.value << start.theta, start.lambda, start.psi, 0.0, 0.0, 0.0;
   start_slopes(tops, axes, farm.width_ratio.value, pencil.value);
+  const auto misplaced = [&](const EdgeLine& line) {
+    return !lies_at_its_row(line, slope_at(axes, line), pencil.value);
+  };
+  const int rows_before = distinct_rows(lines);
+  std::erase_if(lines, misplaced);
+  std::erase_if(tops, misplaced);
+  pencil.rows_left_out = rows_before - distinct_rows(lines);
+  if (distinct_rows(tops) < 2) {
+    return degenerate("ill_conditioned", "rows that fit no set of equally spaced lines",
+                      "rows in order from left to right");
+  }
   FURROW_DO(adjust(tops, gimbal, parallel, farm, pencil));
   pencil.blocks = group_by_row(lines);
   for (const EdgeLine& line : tops) pencil.observations += line.samples;

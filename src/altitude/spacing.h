@@ -18,6 +18,7 @@ struct Pencil {
   Eigen::Matrix<double, kPencilSize, kPencilSize> covariance;
   std::vector<RowBlock> blocks;  ///< every line that lies below the horizon, walls included
   int observations = 0;          ///< samples used
+  int rows_left_out = 0;         ///< rows that lie where their index says they cannot
 
   GimbalAngles angles() const { return {value[kPencilTheta], value[kPencilLambda], value[kPencilPsi]}; }
 };

@@ -151,13 +151,29 @@ TEST(RefineShot, AMisplacedRowIsLeftOut) {
   rows::RowLines lines = testing::picture_of(high, camera, {.edge_sigma_px = 1.0});
   ASSERT_GE(lines.rows.size(), 5u);
   for (rows::RowSample& sample : lines.rows[1].samples) {
-    sample.centre_px.x() += 60.0, sample.left_u_px += 60.0, sample.right_u_px += 60.0;
+    sample.centre_px.x() += 30.0, sample.left_u_px += 30.0, sample.right_u_px += 30.0;
   }
   const auto shot =
       refine_shot(lines, camera, testing::knowledge_of(high, 0.01), testing::prior_of(high, 0.02, 0.01));
   ASSERT_TRUE(shot.ok()) << shot.error().message();
   EXPECT_GE(shot->rows_left_out, 1);
   EXPECT_NEAR(shot->height_above_canopy_m.value, 3.3, 0.03 * 3.3);
+}
+
+// A detector that miscounts over a gap: the outermost rows carry the index of rows farther out.
+TEST(RefineShot, RowsWithAWrongIndexAreLeftOut) {
+  World world = low_vineyard();
+  world.height_above_canopy_m = 3.3;
+  rows::RowLines lines = testing::picture_of(world, testing::thesis_camera(), {.edge_sigma_px = 1.0});
+  ASSERT_GE(lines.rows.size(), 7u);
+  lines.rows.front().index -= 4;
+  lines.rows[1].index -= 3;
+  lines.rows.back().index += 4;
+  const auto shot = refine_shot(lines, testing::thesis_camera(), testing::knowledge_of(world, 0.01),
+                                testing::prior_of(world, 0.02, 0.01));
+  ASSERT_TRUE(shot.ok()) << shot.error().message();
+  EXPECT_EQ(shot->rows_left_out, 3);
+  EXPECT_NEAR(shot->height_above_canopy_m.value, 3.3, 0.01 * 3.3);
 }
 
 TEST(RefineShot, DegenerateInputHasAName) {
