@@ -25,6 +25,7 @@ struct DrawnField {
 inline Image draw(const DrawnField& drawn) {
   constexpr double kLeaf[] = {55.0, 105.0, 40.0}, kSoil[] = {150.0, 125.0, 95.0},
                    kSky[] = {170.0, 195.0, 225.0};
+  constexpr double kBox = 1.15;  // px: half of sqrt(12 (1/12 + 0.6^2))
   base::Random random(drawn.seed);
   Image picture = image::make_image(drawn.width, drawn.height, 3);
   const auto wobble = [&](int k, double y, int side) {  // smooth along the row, its own for each side
@@ -55,7 +56,7 @@ inline Image draw(const DrawnField& drawn) {
           const double spacing = drawn.field.spacing_at(v), centre = drawn.field.u_at(v, row);
           const double left = centre - (drawn.half_width + wobble(row, y, 0)) * spacing;
           const double right = centre + (drawn.half_width + wobble(row, y, 1)) * spacing;
-          cover += std::clamp(std::min(right, u + 0.5) - std::max(left, u - 0.5), 0.0, 1.0);
+          cover += std::max(0.0, std::min(right, u + kBox) - std::max(left, u - kBox)) / (2.0 * kBox);
         }
       }
       cover = std::min(cover, 1.0);
