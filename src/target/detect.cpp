@@ -206,4 +206,49 @@ std::vector<BoardDetection> detect_boards(const std::vector<std::filesystem::pat
   return all;
 }
 
+std::vector<BoardGuess> guess_boards(const std::vector<std::filesystem::path>& files,
+                                     const DetectOptions& options, int threads,
+                                     const base::Progress& progress) {
+  std::vector<std::pair<int, int>> counts(files.size());
+  std::mutex mutex;
+  std::size_t done = 0;
+  base::parallel_for(files.size(), threads, [&](std::size_t i) {
+    const auto picture = image::read_image(files[i]);
+    if (picture.ok()) {
+      const Grid grid =
+          find_any_grid(coarse_copy(image::to_grey(*picture), std::max(64, options.coarse_side_px)).grey);
+      counts[i] = {std::max(grid.columns, grid.rows), std::min(grid.columns, grid.rows)};
+    }
+    const std::lock_guard lock(mutex);
+    base::report(progress, "counting corners", ++done, files.size());
+  });
+  std::map<std::pair<int, int>, int> tally;
+  for (const auto& one : counts) {
+    if (one.second > 0) ++tally[one];
+  }
+  std::vector<BoardGuess> out;
+  for (const auto& [size, pictures] : tally) out.push_back({size.first, size.second, pictures});
+  std::stable_sort(out.begin(), out.end(), [](const BoardGuess& a, const BoardGuess& b) {
+    return a.pictures != b.pictures ? a.pictures > b.pictures
+                                    : a.corners_x * a.corners_y > b.corners_x * b.corners_y;
+  });
+  return out;
+}
+
+std::string explain_board(const BoardSpec& described, const std::vector<BoardGuess>& guesses) {
+  if (guesses.empty()) return "";
+  const int longer = std::max(described.corners_x, described.corners_y),
+            shorter = std::min(described.corners_x, described.corners_y);
+  const BoardGuess& best = guesses.front();
+  if (best.corners_x == longer && best.corners_y == shorter) return "";
+  const std::string shown = size_name(best.corners_x, best.corners_y);
+  const std::string fits = "; corners: [" + std::to_string(best.corners_x) + ", " +
+                           std::to_string(best.corners_y) + "] fits " + std::to_string(best.pictures) +
+                           " pictures";
+  if (best.corners_x == longer - 1 && best.corners_y == shorter - 1) {
+    return size_name(longer, shorter) + " counts the squares; the corners between them are " + shown + fits;
+  }
+  return "the pictures show " + shown + " inner corners, not " + size_name(longer, shorter) + fits;
+}
+
 }  // namespace furrow::target

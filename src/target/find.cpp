@@ -111,4 +111,27 @@ Found find_grid(const Image& grey, int columns, int rows) {
   return best;
 }
 
+Grid find_any_grid(const Image& grey) {
+  Grid best;
+  constexpr int kFewestCorners = 3;
+  for (const double scale : scales(grey)) {
+    const int width = static_cast<int>(std::lround(grey.width * scale)),
+              height = static_cast<int>(std::lround(grey.height * scale));
+    if (std::max(width, height) < kSmallestSidePx || std::min(width, height) < 1) continue;
+    const Image picture = scale < 1.0 ? image::resize(grey, width, height) : grey;
+    const SmoothGrey smoothed = smooth(picture);
+    const std::vector<Saddle> saddles = find_saddles(smoothed);
+    const std::vector<Lattice> lattices = join_seeds(smoothed, find_corner_seeds(smoothed, saddles));
+    if (lattices.empty()) continue;
+    // Wanting nothing larger, completed() only trims and fills.
+    const Lattice lattice = completed(lattices.front(), saddles, 0, 0);
+    const Extent e = extent(lattice);
+    if (e.columns < kFewestCorners || e.rows < kFewestCorners || !is_full(lattice)) continue;
+    Grid grid = to_grid(lattice);
+    if (grid.px.size() <= best.px.size() || !grid_fault(grid, picture, kLargestMisfit).empty()) continue;
+    best = std::move(grid);
+  }
+  return best;
+}
+
 }  // namespace furrow::target

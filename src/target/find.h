@@ -19,4 +19,8 @@ struct Found {
 /// of saddles.
 Found find_grid(const Image& grey, int columns, int rows);
 
+/// The largest whole grid in the picture whose squares alternate and lie on a plane, whatever its counts;
+/// empty when there is none of at least 3 x 3.
+Grid find_any_grid(const Image& grey);
+
 }  // namespace furrow::target

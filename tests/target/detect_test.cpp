@@ -173,6 +173,28 @@ TEST_F(DetectFiles, NamesCopiesStraysAndRubbish) {
   for (std::size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i].corners_px, again[i].corners_px);
 }
 
+TEST_F(DetectFiles, CountsCornersOfAnUnknownBoard) {
+  const Camera camera = plain_camera(640, 480, 520.0);
+  std::vector<std::filesystem::path> files;
+  for (const double turn : {0.0, 0.3, -0.4}) {
+    files.push_back(folder_ / (std::to_string(files.size()) + ".png"));
+    ASSERT_TRUE(
+        image::write_image(files.back(), render_board(camera, kBoard, facing(kBoard, 0.5, {turn, 0.1, 0}), 2))
+            .ok());
+  }
+  const auto guesses = guess_boards(files);
+  ASSERT_FALSE(guesses.empty());
+  EXPECT_EQ(guesses[0].corners_x, 9);
+  EXPECT_EQ(guesses[0].corners_y, 6);
+  EXPECT_EQ(guesses[0].pictures, 3);
+  EXPECT_EQ(explain_board(kBoard, guesses), "");
+  EXPECT_EQ(explain_board({"swapped", 6, 9, 0.025, 1.0}, guesses), "");
+  EXPECT_NE(explain_board({"squares", 10, 7, 0.025, 1.0}, guesses).find("counts the squares"),
+            std::string::npos);
+  EXPECT_NE(explain_board({"other", 8, 6, 0.025, 1.0}, guesses).find("[9, 6]"), std::string::npos);
+  EXPECT_TRUE(guess_boards({folder_ / "none.png"}).empty());
+}
+
 // Every picture that Debian ships shows the whole 9 x 6 board.
 TEST(DetectReal, AllOfOpenCvsOwnPictures) {
   const std::filesystem::path folder = "/usr/share/doc/opencv-doc/examples/data";

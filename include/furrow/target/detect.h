@@ -44,4 +44,22 @@ std::vector<BoardDetection> detect_boards(const std::vector<std::filesystem::pat
                                           const BoardSpec& board, const DetectOptions& options = {},
                                           int threads = 0, const base::Progress& progress = {});
 
+/// Counts of inner corners that a picture shows, when nobody described the board.
+struct BoardGuess {
+  int corners_x = 0, corners_y = 0;  ///< longer side first
+  int pictures = 0;                  ///< how many show a whole grid of these counts
+};
+
+/// The counts that most of the pictures show as a whole grid, most frequent first (of equals the larger);
+/// empty when none shows one. For finding the counts of an unknown board and for catching a board file that
+/// counts squares instead of corners.
+std::vector<BoardGuess> guess_boards(const std::vector<std::filesystem::path>& files,
+                                     const DetectOptions& options = {}, int threads = 0,
+                                     const base::Progress& progress = {});
+
+/// Why a description finds few boards while the pictures show another one: squares counted instead of
+/// corners, one side off, or simply other counts; which description fits. Empty when the description is among
+/// the guesses or there is no guess.
+std::string explain_board(const BoardSpec& described, const std::vector<BoardGuess>& guesses);
+
 }  // namespace furrow::target
