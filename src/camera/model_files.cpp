@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "camera/literal.h"
+#include "camera/other_formats.h"
 #include "furrow/base/file.h"
 #include "furrow/base/text.h"
 #include "furrow/base/value.h"
@@ -251,6 +252,7 @@ Result<Camera> from_tree(const Value& tree, const std::string& name) {
   if (first_of(tree, {"camera_matrix", "K", "Camera_Matrix", "cameraMatrix"}) != nullptr)
     return from_opencv(tree, name);
   if (tree.find("model") != nullptr && tree.find("fx") != nullptr) return from_calibration(tree, name);
+  if (tree.find("cam0") != nullptr) return from_kalibr(tree, name);
   return unknown_format(name, tree.object() != nullptr ? "none of the keys of a camera" : tree.kind_name());
 }
 
@@ -301,6 +303,7 @@ Result<Camera> parse_camera(const std::string& text, const std::string& name) {
     FURROW_TRY(const Value tree, parse_literal(text, name));
     return from_tree(tree, name);
   }
+  if (looks_like_colmap(text)) return from_colmap(text, name);
   FURROW_TRY(const Value tree, base::parse_yaml(text, name));
   return from_tree(tree, name);
 }

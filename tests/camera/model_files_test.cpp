@@ -145,12 +145,55 @@ TEST(ModelFiles, RefusalsNameLineAndKey) {
   EXPECT_FALSE(read_camera("no/such/file.yaml").ok());
 }
 
+TEST(ModelFiles, EveryExportComesBackTheSame) {
+  for (const CameraModel model : kAllModels) {
+    const Camera camera = test_camera(model);
+    for (const char* name : {"mrcal", "opencv", "ros", "kalibr", "colmap"}) {
+      const auto text = export_camera(camera, *format_from_name(name));
+      const bool too_small =
+          (std::string(name) == "kalibr" && camera.distortion.size() > 4) ||
+          (camera.distortion.size() > 8 && (std::string(name) == "ros" || std::string(name) == "colmap"));
+      ASSERT_EQ(text.ok(), !too_small) << name << " " << model_name(model);
+      if (too_small) {
+        EXPECT_EQ(text.error().code, "camera_export_failed");
+      }
+    }
+  }
+  EXPECT_FALSE(format_from_name("pixhawk").has_value());
+  EXPECT_FALSE(export_camera(Camera{}, CameraFormat::ros).ok());
+}
+
+// COLMAP's principal point of a 640 x 480 picture's middle is (320, 240); ours is (319.5, 239.5).
+TEST(ModelFiles, ColmapIsHalfAPixelOff) {
+  const auto camera =
+      parse_camera("# Camera list\n1 SIMPLE_RADIAL 640 480 500 320 240 -0.1\n", "cameras.txt");
+  ASSERT_TRUE(camera.ok()) << camera.error().message();
+  EXPECT_EQ(camera->cx, 319.5);
+  EXPECT_EQ(camera->cy, 239.5);
+  EXPECT_EQ(camera->fy, 500.0);
+  EXPECT_EQ(camera->distortion[0], -0.1);
+  EXPECT_FALSE(parse_camera("1 OPENCV 640 480 500 500 320\n", "cameras.txt").ok());
+  EXPECT_FALSE(parse_camera("1 PINHOLE 640 480 x 500 320 240\n", "cameras.txt").ok());
+}
+
+TEST(ModelFiles, KalibrWithAnotherLensIsRefused) {
+  const auto camera = parse_camera(
+      "cam0:\n  camera_model: pinhole\n  intrinsics: [500, 500, 320, 240]\n  distortion_model: equidistant\n"
+      "  distortion_coeffs: [0, 0, 0, 0]\n  resolution: [640, 480]\n",
+      "camchain.yaml");
+  ASSERT_FALSE(camera.ok());
+  EXPECT_EQ(camera.error().code, "camera_model_unsupported");
+}
+
 // Any prefix and any single damaged byte must end in a camera or an error, never in a crash or an exception.
 TEST(ModelFiles, DamagedFilesNeverThrow) {
   base::Random random(31);
   Camera camera = test_camera(CameraModel::opencv8);
   camera.covariance = Eigen::MatrixXd::Identity(12, 12);
-  for (const std::string& text : {to_mrcal_cameramodel(camera), to_opencv_yaml(camera)}) {
+  Camera small = test_camera(CameraModel::opencv4);
+  for (const std::string& text :
+       {to_mrcal_cameramodel(camera), to_opencv_yaml(camera), *export_camera(small, CameraFormat::colmap),
+        *export_camera(small, CameraFormat::kalibr)}) {
     for (std::size_t n = 0; n < text.size(); n += 3)
       EXPECT_NO_THROW((void)parse_camera(text.substr(0, n), "f"));
     for (int trial = 0; trial < 1500; ++trial) {
