@@ -210,6 +210,13 @@ Image overlay(const Image& picture, const rows::RowLines& lines) {
 struct Tally {
   std::vector<double> scores, spacing_errors, ms, confidences;
   int right = 0;
+  int sure = 0, sure_right = 0;  // confidence 0.9 and more
+
+  void count_confidence(double confidence, bool is_right) {
+    if (confidence < 0.9) return;
+    ++sure;
+    sure_right += is_right;
+  }
 };
 
 void print_line(const Arguments& arguments, const std::string& name, double score,
@@ -235,16 +242,19 @@ void bench_crbd(const Arguments& arguments, rows::Method method, const std::stri
     tally.spacing_errors.push_back(error);
     tally.ms.push_back(ms);
     if (error < kSpacingTolerance) ++tally.right;
+    tally.count_confidence(lines.confidence, score > 0.5);
     print_line(arguments, files[i].stem().string(), score, lines, error);
     if (!arguments.draw.empty())
       (void)image::write_image(arguments.draw / (method_name + "_" + files[i].stem().string() + ".png"),
                                overlay(*picture, lines));
   }
   if (tally.scores.empty()) return;
-  std::printf("CRBD  %-7s n %3zu  CRDA %.3f  spacing<5%% %.3f  ms mean %.2f median %.2f\n",
-              method_name.c_str(), tally.scores.size(), stats::mean(tally.scores),
-              tally.right / static_cast<double>(tally.scores.size()), stats::mean(tally.ms),
-              stats::median(tally.ms));
+  std::printf(
+      "CRBD  %-7s n %3zu  CRDA %.3f  spacing<5%% %.3f  ms mean %.2f median %.2f  right at confidence 0.9: %d "
+      "of %d\n",
+      method_name.c_str(), tally.scores.size(), stats::mean(tally.scores),
+      tally.right / static_cast<double>(tally.scores.size()), stats::mean(tally.ms), stats::median(tally.ms),
+      tally.sure_right, tally.sure);
 }
 
 void bench_bound(const Arguments& arguments) {
@@ -351,6 +361,7 @@ void bench_crdld(const Arguments& arguments, rows::Method method, const std::str
     }
     any_right += any;
     tally.right += right;
+    tally.count_confidence(lines.confidence, right);
     tally.scores.push_back(right);
     tally.ms.push_back(ms);
     print_line(arguments, files[i].stem().string(), right, lines, any);
@@ -359,9 +370,12 @@ void bench_crdld(const Arguments& arguments, rows::Method method, const std::str
                                overlay(*picture, lines));
   }
   if (tally.scores.empty()) return;
-  std::printf("CRDLD %-7s n %3zu  centre row right %.3f  (some row right %.3f)  ms mean %.2f\n",
-              method_name.c_str(), tally.scores.size(), stats::mean(tally.scores),
-              any_right / static_cast<double>(tally.scores.size()), stats::mean(tally.ms));
+  std::printf(
+      "CRDLD %-7s n %3zu  centre row right %.3f  (some row right %.3f)  ms mean %.2f  right at confidence "
+      "0.9: %d of %d\n",
+      method_name.c_str(), tally.scores.size(), stats::mean(tally.scores),
+      any_right / static_cast<double>(tally.scores.size()), stats::mean(tally.ms), tally.sure_right,
+      tally.sure);
 }
 
 Arguments read_arguments(int argc, char** argv) {
