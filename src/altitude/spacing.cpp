@@ -118,11 +118,10 @@ double slope_at(const RowAxes<double>& axes, const EdgeLine& line) {
   return -lateral / up;
 }
 
+/// By the middle of its samples; its two points may reach beyond them.
 bool below_horizon(const RowAxes<double>& axes, const EdgeLine& line) {
-  for (const Eigen::Vector2d& p : line.points) {
-    if (!(axes.q.x * p.x() + axes.q.y * p.y() + axes.q.z < 0.0)) return false;
-  }
-  return true;
+  const Eigen::Vector2d p = 0.5 * (line.points[0] + line.points[1]);
+  return axes.q.x * p.x() + axes.q.y * p.y() + axes.q.z < 0.0;
 }
 
 /// -1, 0, 1: how many half widths the line's slope stands from its row's axis, when it is a top edge.

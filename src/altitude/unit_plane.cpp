@@ -1,5 +1,6 @@
 #include "furrow/altitude/unit_plane.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace furrow::altitude {
@@ -8,8 +9,12 @@ namespace {
 /// Sigma taken when the detection states none: a row's middle is rarely found better than to a pixel.
 constexpr double kUnstatedSigmaPx = 1.0;
 
+/// Finest sigma believed: leaves end within a pixel or two, whatever a fit to many of them says. It keeps
+/// cuts near the horizon, where a row is a few pixels wide, from outweighing all others.
+constexpr double kFinestSigmaPx = 1.0;
+
 double stated_or_default(double sigma_px) {
-  return std::isfinite(sigma_px) && sigma_px > 0.0 ? sigma_px : kUnstatedSigmaPx;
+  return std::isfinite(sigma_px) && sigma_px > 0.0 ? std::max(sigma_px, kFinestSigmaPx) : kUnstatedSigmaPx;
 }
 
 std::optional<Eigen::Vector2d> edge_on_unit_plane(const Camera& camera, double u, double v) {
