@@ -263,6 +263,22 @@ void grow(const Strips& coarse, const Strips& strips, const SearchPriors& priors
                 evidence_part(mean_row_count(strips, found.field));
 }
 
+/// A field that shows rows only at every second of its places has half the true spacing. The mean responses
+/// of even and odd rows tell.
+void undo_half_spacing(const Strips& strips, FoundField& found) {
+  const Response response = respond(strips, found.field, found.tooth);
+  PlanarField even = found.field, odd = found.field;
+  even.spacing = odd.spacing = 2.0 * found.field.spacing;
+  odd.offset += found.field.spacing;
+  const double even_score = comb_score(response, even, {}), odd_score = comb_score(response, odd, {});
+  constexpr double kAbsent = 0.2;  // of the response of the rows that are there
+  if (std::min(even_score, odd_score) > kAbsent * std::max(even_score, odd_score)) return;
+  const PlanarField& doubled = even_score > odd_score ? even : odd;
+  if (doubled.spacing_at(0.5 * strips.height) > 0.6 * strips.width) return;
+  found.field = doubled;
+  found.tooth = std::max(0.12, 0.5 * found.tooth);
+}
+
 /// The rows nearest the picture's middle decide at the end: passes of the planter lie apart by a little more
 /// or less than a spacing, so far rows pull the model off the near ones.
 void settle(const Strips& strips, const SearchPriors& priors, FoundField& found) {
@@ -309,6 +325,7 @@ std::optional<FoundField> search_field(const GreenMap& map, const SearchPriors& 
   for (FoundField& one : found) grow(coarse, fine, priors, one);
   FoundField best = *std::max_element(
       found.begin(), found.end(), [](const FoundField& a, const FoundField& b) { return a.score < b.score; });
+  undo_half_spacing(fine, best);
   settle(fine, priors, best);
   return best;
 }
