@@ -99,7 +99,7 @@ struct Round {
 };
 
 std::vector<SolveView> solve_views(const Job& job, const std::vector<std::size_t>& order,
-                                   const Start& start) {
+                                   const std::vector<View>& views, const Start& start) {
   const double sigma_px = typical_sigma(job.detections);
   std::vector<SolveView> out;
   for (std::size_t i = 0; i < order.size(); ++i) {
@@ -107,6 +107,11 @@ std::vector<SolveView> solve_views(const Job& job, const std::vector<std::size_t
     SolveView view{detection.corners_px, {}, pose_vector(start.cam_from_board[i])};
     if (job.options.use_corner_sigma && detection.sigma_px.size() == detection.corners_px.size()) {
       view.weight = weights(detection, sigma_px);
+    }
+    const std::vector<bool>& left_out = views[order[i]].left_out;
+    if (!left_out.empty() && view.weight.empty()) view.weight.assign(left_out.size(), 1.0);
+    for (std::size_t c = 0; c < left_out.size(); ++c) {
+      if (left_out[c]) view.weight[c] = 0.0;
     }
     out.push_back(std::move(view));
   }
@@ -120,14 +125,15 @@ Error solve_failed(const std::string& why) {
 
 /// First the focal length with two radial coefficients, then everything: a rational lens started from nothing
 /// finds false minima.
-Result<Round> solve_round(const Job& job, const std::vector<std::size_t>& order) {
+Result<Round> solve_round(const Job& job, const std::vector<std::size_t>& order,
+                          const std::vector<View>& views) {
   std::vector<std::vector<Eigen::Vector2d>> corners;
   for (const std::size_t i : order) corners.push_back(job.detections[i].corners_px);
   const std::optional<Start> start = find_start(corners, job.board, job.width, job.height);
   if (!start) return solve_failed("a board whose corners allow no pose (all in a line, or in one point)");
   Round round;
   round.order = order;
-  round.views = solve_views(job, order, *start);
+  round.views = solve_views(job, order, views, *start);
   Camera camera = start->camera;
   camera.model = job.options.model;
   camera.distortion.assign(static_cast<std::size_t>(camera::distortion_count(job.options.model)), 0.0);
@@ -155,6 +161,10 @@ Result<Round> solve_round(const Job& job, const std::vector<std::size_t>& order)
   return round;
 }
 
+bool is_left_out(const View& view, std::size_t corner) {
+  return !view.left_out.empty() && view.left_out[corner];
+}
+
 /// Writes a solved view's pose and residuals.
 void fill_view(const Round& round, std::size_t i, View& view) {
   const Camera camera = camera_of(round.model, round.solved.shared);
@@ -162,17 +172,18 @@ void fill_view(const Round& round, std::size_t i, View& view) {
   const Eigen::Vector2d warp_m = warp_of(round.model, round.solved.shared);
   view.cam_from_board = pose_of(round.solved.poses[i]);
   view.residual_px.clear();
-  double squared = 0.0, distance = 0.0;
+  double squared = 0.0, distance = 0.0, n = 0.0;
   for (std::size_t c = 0; c < view.observed_px.size(); ++c) {
     const int x = static_cast<int>(c) % board.corners_x, y = static_cast<int>(c) / board.corners_x;
     const auto px = camera::project(camera, view.cam_from_board * warped_corner(board, warp_m, x, y));
     const Eigen::Vector2d residual =
         px ? Eigen::Vector2d(view.observed_px[c] - *px) : Eigen::Vector2d::Constant(kNan);
     view.residual_px.push_back(residual);
+    if (is_left_out(view, c)) continue;
     squared += residual.squaredNorm();
     distance += residual.norm();
+    n += 1.0;
   }
-  const double n = static_cast<double>(view.observed_px.size());
   view.rms_px = std::sqrt(squared / n);
   view.mean_error_px = distance / n;
 }
@@ -196,6 +207,33 @@ bool drop_outlying_views(const Round& round, double ratio, std::vector<View>& vi
                       base::format_fixed(limit_px / ratio, 2) + " px)";
     --left;
     any = true;
+  }
+  return any;
+}
+
+/// Leaves out the corners that lie too far from their projections; whether there were new ones. A view keeps
+/// at least half of its corners: one that would lose more is bad as a whole, and its corners say nothing
+/// about single ones.
+bool leave_out_corners(const Round& round, double sigmas, std::vector<View>& views) {
+  if (!(sigmas > 0.0)) return false;
+  std::vector<double> distances_px;
+  for (const std::size_t i : round.order) {
+    for (std::size_t c = 0; c < views[i].residual_px.size(); ++c) {
+      if (!is_left_out(views[i], c)) distances_px.push_back(views[i].residual_px[c].norm());
+    }
+  }
+  constexpr double kRayleighMedian = 1.1774;
+  const double limit_px = sigmas * stats::median(distances_px) / kRayleighMedian;
+  bool any = false;
+  for (const std::size_t i : round.order) {
+    View& view = views[i];
+    std::vector<bool> far(view.residual_px.size());
+    for (std::size_t c = 0; c < far.size(); ++c)
+      far[c] = is_left_out(view, c) || !(view.residual_px[c].norm() <= limit_px);
+    if (2 * std::count(far.begin(), far.end(), true) > static_cast<std::ptrdiff_t>(far.size())) continue;
+    any = any || std::count(far.begin(), far.end(), true) >
+                     std::count(view.left_out.begin(), view.left_out.end(), true);
+    view.left_out = far;
   }
   return any;
 }
@@ -279,9 +317,13 @@ Calibration summarize(const Job& job, const Round& round, std::vector<View> view
   out.termination = round.solved.termination;
   double squared = 0.0, distance = 0.0;
   for (const std::size_t i : round.order) {
-    for (const Eigen::Vector2d& r : out.views[i].residual_px) {
-      squared += r.squaredNorm();
-      distance += r.norm();
+    for (std::size_t c = 0; c < out.views[i].residual_px.size(); ++c) {
+      if (is_left_out(out.views[i], c)) {
+        ++out.corners_left_out;
+        continue;
+      }
+      squared += out.views[i].residual_px[c].squaredNorm();
+      distance += out.views[i].residual_px[c].norm();
       ++out.corners;
     }
   }
@@ -304,12 +346,17 @@ Result<Calibration> calibrate(const std::vector<target::BoardDetection>& detecti
   for (const target::BoardDetection& detection : detections) views.push_back(start_view(detection, board));
   Job job{detections, board, options};
   FURROW_DO(check_sizes(detections, views, job));
+  int rounds = 0;
   while (true) {
     const std::vector<std::size_t> order = in_name_order(views);
     if (order.size() < kFewestViews) return too_few(views, order.size());
-    FURROW_TRY(const Round round, solve_round(job, order));
+    FURROW_TRY(const Round round, solve_round(job, order, views));
     for (std::size_t i = 0; i < order.size(); ++i) fill_view(round, i, views[order[i]]);
-    if (!drop_outlying_views(round, options.view_outlier_ratio, views))
+    // Corners only ever leave, so this ends; a few rounds find all that a better fit uncovers.
+    constexpr int kMostRounds = 10;
+    const bool again =
+        rounds++ < kMostRounds && leave_out_corners(round, options.corner_outlier_sigmas, views);
+    if (!again && !drop_outlying_views(round, options.view_outlier_ratio, views))
       return summarize(job, round, std::move(views));
   }
 }

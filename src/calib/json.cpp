@@ -56,6 +56,11 @@ Value view_entry(const View& view) {
   out.set("cam_from_board", pose);
   out.set("observed_px", points(view.observed_px));
   out.set("residual_px", points(view.residual_px));
+  Array left_out;
+  for (std::size_t c = 0; c < view.left_out.size(); ++c) {
+    if (view.left_out[c]) left_out.emplace_back(c);
+  }
+  out.set("left_out", left_out);
   return out;
 }
 
@@ -90,6 +95,7 @@ std::string to_json(const Calibration& calibration) {
   out.set("sigma0_px", calibration.sigma0_px);
   out.set("degrees_of_freedom", calibration.degrees_of_freedom);
   out.set("corners", calibration.corners);
+  out.set("corners_left_out", calibration.corners_left_out);
   out.set("iterations", calibration.iterations);
   out.set("termination", calibration.termination);
   out.set("usable", calibration.usable);

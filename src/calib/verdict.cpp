@@ -84,6 +84,16 @@ Criterion views_criterion(const Calibration& calibration, const TrustLimits& lim
   return at_least("views", count, limits.fewest_views, format_fixed(count, 0) + " usable pictures");
 }
 
+Criterion outlier_criterion(const Calibration& calibration, const TrustLimits& limits) {
+  const int all = calibration.corners + calibration.corners_left_out;
+  const double percent = all > 0 ? kPercent * calibration.corners_left_out / all : kNan;
+  return at_most("outliers", percent, limits.left_out_percent,
+                 format_fixed(percent, 1) + " % of the corners were left out as outliers" +
+                     (percent <= limits.left_out_percent
+                          ? ""
+                          : ": more than stains explain; the lens may be of another model"));
+}
+
 /// Why fx and fy differ: the board, if square pixels and a stretched board fit as well; the pictures, if they
 /// do not.
 std::string aspect_explained(const Calibration& calibration,
@@ -269,11 +279,14 @@ Verdict judge(const Calibration& calibration, const std::vector<target::BoardDet
               const CalibrateOptions& options, const TrustLimits& limits) {
   Verdict out;
   const std::optional<Halves> halves = solve_halves(calibration, detections, options);
-  out.criteria = {
-      views_criterion(calibration, limits),    focal_criterion(calibration, limits),
-      rms_criterion(calibration, limits),      tilt_criterion(calibration, limits),
-      coverage_criterion(calibration, limits), aspect_criterion(calibration, detections, options, limits),
-      halves_criterion(halves, limits)};
+  out.criteria = {views_criterion(calibration, limits),
+                  focal_criterion(calibration, limits),
+                  rms_criterion(calibration, limits),
+                  tilt_criterion(calibration, limits),
+                  coverage_criterion(calibration, limits),
+                  outlier_criterion(calibration, limits),
+                  aspect_criterion(calibration, detections, options, limits),
+                  halves_criterion(halves, limits)};
   out.trusted =
       std::all_of(out.criteria.begin(), out.criteria.end(), [](const Criterion& c) { return c.met; });
   out.summary = summarized(out.criteria);

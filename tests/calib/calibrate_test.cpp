@@ -185,6 +185,25 @@ TEST(Calibrate, BadViewIsDroppedForItsErrorOnlyWhenAsked) {
             11);
 }
 
+TEST(Calibrate, StainedCornersAreLeftOutOnlyWhenAsked) {
+  auto views = session(true_camera(), true_board(), Session{});
+  const std::vector<std::pair<std::size_t, std::size_t>> stains{{0, 3}, {2, 17}, {2, 18}, {7, 53}};
+  for (const auto& [view, corner] : stains) views[view].corners_px[corner] += Eigen::Vector2d(4.0, -3.0);
+  CalibrateOptions options;
+  const auto kept = calibrate(views, true_board(), options);
+  ASSERT_TRUE(kept.ok());
+  EXPECT_EQ(kept->corners_left_out, 0);
+  options.corner_outlier_sigmas = 5.0;
+  const auto cleaned = calibrate(views, true_board(), options);
+  ASSERT_TRUE(cleaned.ok()) << cleaned.error().message();
+  EXPECT_EQ(cleaned->corners_left_out, 4);
+  for (const auto& [view, corner] : stains) EXPECT_TRUE(cleaned->views[view].left_out[corner]);
+  EXPECT_EQ(cleaned->corners, 12 * 54 - 4);
+  EXPECT_EQ(cleaned->degrees_of_freedom, 2 * cleaned->corners - 9 - 12 * 6);
+  EXPECT_NEAR(cleaned->sigma0_px, 0.2, 0.015);
+  EXPECT_GT(kept->rms_px, 1.3 * cleaned->rms_px);
+}
+
 TEST(Calibrate, RefusalsNameWhatIsMissing) {
   auto views = session(true_camera(), true_board(), Session{});
   auto two = views;

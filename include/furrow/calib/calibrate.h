@@ -16,6 +16,10 @@ struct CalibrateOptions {
   /// A view whose own RMS is over this many times the median view's RMS is dropped and the rest solved again,
   /// until none is; 0 keeps all. 3 drops what a person would.
   double view_outlier_ratio = 0.0;
+  /// A corner farther from its projection than this many times the noise is left out and the rest solved
+  /// again, until none is; 0 keeps all, 5 is beyond one in a hundred thousand of Gaussian ones. The noise is
+  /// the median distance over 1.1774 (Rayleigh's median).
+  double corner_outlier_sigmas = 0.0;
   int max_iterations = 200;
   /// Weigh each corner by 1 / sigma_px^2 of its detection (relative to the mean); off, all corners count the
   /// same, as in OpenCV.
@@ -40,6 +44,8 @@ struct View {
   Rigid3 cam_from_board;
   std::vector<Eigen::Vector2d> observed_px;
   std::vector<Eigen::Vector2d> residual_px;  ///< observed - projected
+  std::vector<bool>
+      left_out;  ///< corners rejected as outliers; empty when none was looked for. Not counted in rms_px.
   /// What this view tells about the solved parameters (fx, fy or f, cx, cy, ...) with its own pose unknown:
   /// their information matrix over sigma0 squared; all views' sum is the inverse of the parameters'
   /// covariance. 0 x 0 when not used.
@@ -54,7 +60,8 @@ struct Calibration {
   double rms_px =
       0.0;  ///< sqrt(sum of squared distances / corners): OpenCV's definition (mrcal prints this / sqrt 2)
   double mean_error_px = 0.0;  ///< mean distance over all corners, the thesis's number
-  int corners = 0;
+  int corners = 0;             ///< counted in rms_px
+  int corners_left_out = 0;  ///< rejected as outliers; a share of some percent hides a lens of another model
   int iterations = 0;
   std::string termination;  ///< Ceres' own words
   bool usable = false;

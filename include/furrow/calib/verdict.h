@@ -24,6 +24,8 @@ struct TrustLimits {
   int fewest_views = 6;
   /// Largest difference of the focal lengths of two halves of the views, percent.
   double halves_focal_percent = 1.0;
+  /// Largest share of corners rejected as outliers, percent: a wrong lens model hides behind many.
+  double left_out_percent = 3.0;
   /// How far fx / fy may be from 1, percent, before the board's squares are doubted: sensors have square
   /// pixels.
   double aspect_percent = 0.5;
@@ -31,7 +33,7 @@ struct TrustLimits {
 
 /// One condition against its limit.
 struct Criterion {
-  std::string name;    ///< "focal_sigma", "rms", "tilt", "coverage", "views", "halves", "aspect"
+  std::string name;    ///< "focal_sigma", "rms", "tilt", "coverage", "views", "outliers", "halves", "aspect"
   double value = 0.0;  ///< NaN when it could not be assessed
   double limit = 0.0;
   bool met = false;
