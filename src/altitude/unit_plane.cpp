@@ -34,7 +34,7 @@ Eigen::Vector2d normal_at(const std::vector<RowDirection>& directions, std::size
 }
 
 /// Takes sigmas from pixels to the unit plane, across the row. A sample's sigma is stated across the row in
-/// the picture; an edge's along the picture row (docs/formulation/altitude.md, section 3).
+/// the picture; an edge's along the picture row (docs/formulation/altitude.md, section 4).
 void scale_sigmas(const Camera& camera, RowsOnUnitPlane::Row& row) {
   for (std::size_t i = 0; i < row.directions.size(); ++i) {
     RowDirection& d = row.directions[i];
