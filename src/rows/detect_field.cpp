@@ -35,6 +35,21 @@ RowLine row_of(const CommonModel& model, int k, int width, const std::vector<dou
   return row;
 }
 
+FoundField in_map(const Previous& previous, const GreenMap& map) {
+  FoundField found;
+  found.tooth = previous.tooth;
+  found.score = previous.score;
+  found.field = previous.field;
+  // Anchored at the map itself, so that a picture of another size is not taken at its word.
+  found.field.u0 = 0.5 * (map.width - 1);
+  found.field.v0 = map.height - 1.0;
+  found.field.length = map.height;
+  for (double* px :
+       {&found.field.spacing, &found.field.offset, &found.field.slope, &found.field.bend, &found.field.bend2})
+    *px /= map.scale_u;
+  return found;
+}
+
 RowLines no_rows(RowLines lines, double score, double least_score) {
   lines.rows.clear();
   lines.field.reset();
@@ -45,14 +60,19 @@ RowLines no_rows(RowLines lines, double score, double least_score) {
   return lines;
 }
 
-/// Probability that the rows are right: a logistic through the development halves of CRBD and CRDLD, where half
-/// of the pictures at a score of 0.10 and nine tenths at 0.18 were right (docs/formulation/rows.md).
+/// Probability that the rows are right: a logistic through the development halves of CRBD and CRDLD, where
+/// half of the pictures at a score of 0.10 and nine tenths at 0.18 were right (docs/formulation/rows.md).
 double confidence_of(double score) {
   constexpr double kEven = 0.10, kScale = 0.035;
   return 1.0 / (1.0 + std::exp(-(score - kEven) / kScale));
 }
 
 }  // namespace
+
+std::optional<Previous> previous_of(const RowLines& lines) {
+  if (!lines.ok() || !lines.field) return std::nullopt;
+  return Previous{*lines.field, lines.tooth, lines.score};
+}
 
 RowLines detect_field(const Image& picture, const DetectOptions& options) {
   RowLines lines;
@@ -70,7 +90,9 @@ RowLines detect_field(const Image& picture, const DetectOptions& options) {
     priors.horizon_v = (*options.priors.horizon_v_px + 0.5) / map.scale_v - 0.5;
     priors.horizon_sigma = std::max(options.priors.horizon_sigma_px / map.scale_v, 1.0);
   }
-  const auto found = search_field(map, priors);
+  std::optional<FoundField> found;
+  if (options.previous) found = continue_field(map, in_map(*options.previous, map), priors);
+  if (!found) found = search_field(map, priors);
   if (!found || found->score < options.least_score)
     return no_rows(lines, found ? found->score : 0.0, options.least_score);
   const CommonModel model(*found, map);
@@ -97,6 +119,8 @@ RowLines detect_field(const Image& picture, const DetectOptions& options) {
   index_rows(lines);
   if (lines.rows.empty()) return no_rows(lines, found->score, options.least_score);
   lines.status = "ok";
+  lines.score = found->score;
+  lines.tooth = found->tooth;
   lines.confidence = confidence_of(found->score);
   return lines;
 }

@@ -220,6 +220,14 @@ PlanarField fit_to(const FollowedField& followed, const PlanarField& start) {
 // ---- The whole search
 // ------------------------------------------------------------------------------------------------------------
 
+constexpr int kCoarseStrips = 40, kFineStrips = 80;  // of a picture, for trials and for the end
+constexpr int kTrialCalls = 90;                      // of the score, per refined trial
+
+bool is_too_small(const GreenMap& map) {
+  constexpr int kLeastWidth = 24, kLeastHeight = 16;  // px: fewer hold no pattern
+  return map.width < kLeastWidth || map.height < kLeastHeight;
+}
+
 double best_tooth(const Strips& strips, const PlanarField& field) {
   double tooth = 0.3, score = -1.0;
   for (const double width : {0.12, 0.2, 0.3, 0.42, 0.55, 0.72}) {
@@ -233,13 +241,12 @@ double best_tooth(const Strips& strips, const PlanarField& field) {
 std::vector<FoundField> refine_trials(const Strips& strips, const std::vector<Trial>& trials,
                                       const SearchPriors& priors) {
   constexpr std::size_t kTried = 8, kKept = 3;
-  constexpr int kCalls = 90;
   std::vector<FoundField> found;
   for (std::size_t i = 0; i < std::min(kTried, trials.size()); ++i) {
     FoundField one;
     one.tooth = std::clamp(trials[i].tooth, 0.2, 0.72);
     one.field = refine(respond(strips, trials[i].field, one.tooth), trials[i].field, {.least_scale = 0.3},
-                       0.25, kCalls, priors);
+                       0.25, kTrialCalls, priors);
     one.score = comb_score(respond(strips, one.field, one.tooth), one.field, {.least_scale = 0.1}) *
                 evidence_part(mean_row_count(strips, one.field));
     found.push_back(one);
@@ -313,10 +320,32 @@ void settle(const Strips& strips, const SearchPriors& priors, FoundField& found)
 
 }  // namespace
 
+std::optional<FoundField> continue_field(const GreenMap& map, const FoundField& before,
+                                         const SearchPriors& priors) {
+  constexpr double kKeptScore =
+      0.7;  // of the score before; a picture a moment later differs by a few percent
+  if (is_too_small(map)) return std::nullopt;
+  const Strips coarse = make_strips(map, std::max(1, map.height / kCoarseStrips));
+  const Strips fine = make_strips(map, std::max(1, map.height / kFineStrips));
+  FoundField best;
+  best.score = -1.0;
+  // Between two shots the camera moves sideways by a part of a spacing.
+  for (const double moved : {0.0, -0.3, 0.3}) {
+    FoundField one = before;
+    one.field.offset += moved * one.field.spacing;
+    one.field = refine(respond(coarse, one.field, one.tooth), one.field, {.least_scale = 0.2}, 0.1,
+                       kTrialCalls, priors);
+    one.score = comb_score(respond(coarse, one.field, one.tooth), one.field, {});
+    if (one.score > best.score) best = one;
+  }
+  grow(coarse, fine, priors, best);
+  if (best.score < kKeptScore * before.score) return std::nullopt;
+  settle(fine, priors, best);
+  return best;
+}
+
 std::optional<FoundField> search_field(const GreenMap& map, const SearchPriors& priors) {
-  constexpr int kLeastWidth = 24, kLeastHeight = 16;  // px: fewer hold no pattern
-  constexpr int kCoarseStrips = 40, kFineStrips = 80;
-  if (map.width < kLeastWidth || map.height < kLeastHeight) return std::nullopt;
+  if (is_too_small(map)) return std::nullopt;
   const Strips coarse = make_strips(map, std::max(1, map.height / kCoarseStrips));
   const std::vector<Trial> trials = coarse_search(coarse);
   std::vector<FoundField> found = refine_trials(coarse, trials, priors);

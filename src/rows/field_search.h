@@ -32,4 +32,8 @@ struct SearchPriors {
 /// contrast.
 std::optional<FoundField> search_field(const GreenMap& map, const SearchPriors& priors);
 
+/// The field that `before`, of a picture a moment ago, has become; nothing when it is not there any more.
+std::optional<FoundField> continue_field(const GreenMap& map, const FoundField& before,
+                                         const SearchPriors& priors);
+
 }  // namespace furrow::rows

@@ -262,6 +262,30 @@ TEST(FieldMethod, SamePictureSameAnswer) {
       EXPECT_EQ(a.rows[i].samples[j].centre_px, b.rows[i].samples[j].centre_px);
 }
 
+TEST(FieldMethod, TheShotBeforeStartsTheSearch) {
+  DrawnField drawn = oblique();
+  const RowLines before = detect(draw(drawn));
+  drawn.field.offset += 0.25 * drawn.field.spacing;
+  drawn.field.slope += 0.05 * drawn.field.spacing;
+  drawn.seed = 2;
+  DetectOptions options;
+  options.previous = previous_of(before);
+  ASSERT_TRUE(options.previous.has_value());
+  const RowLines now = detect(draw(drawn), options);
+  ASSERT_TRUE(now.ok());
+  EXPECT_LT(row_error(drawn, now, 0), 0.03);
+}
+
+TEST(FieldMethod, AShotBeforeThatNoLongerFitsIsForgotten) {
+  DetectOptions options;
+  options.previous = previous_of(detect(draw(nadir())));
+  ASSERT_TRUE(options.previous.has_value());
+  const RowLines now = detect(draw(oblique()), options);
+  ASSERT_TRUE(now.ok());
+  EXPECT_LT(row_error(oblique(), now, 0), 0.03);
+  EXPECT_FALSE(previous_of(RowLines{}).has_value());
+}
+
 TEST(FieldMethod, AWrongHorizonPullsOnlySoftly) {
   const DrawnField drawn = oblique();
   DetectOptions options;

@@ -47,6 +47,8 @@ struct RowLines {
   std::string reason;              ///< a sentence when status is not "ok"
   /// The common model of all rows, px of the picture (method "field" only).
   std::optional<PlanarField> field;
+  double score = 0.0;  ///< mean correlation of the picture with the field's rows (method "field" only)
+  double tooth = 0.0;  ///< width of a row that explains most, spacings (method "field" only)
 
   bool ok() const { return status == "ok"; }
 };
