@@ -48,6 +48,9 @@ double horizon_cost(const PlanarField& field, const SearchPriors& priors) {
   return kWeight * off * off;
 }
 
+/// A simplex whose scores differ by less has arrived; trials that decide differ by 0.01.
+constexpr double kScoreTolerance = 1e-4;
+
 /// Better parameters near `start`. `size` is the simplex's size: it moves rows at the far end of the strips
 /// by about that many spacings.
 PlanarField refine(const Response& response, const PlanarField& start, const Emphasis& emphasis, double size,
@@ -62,7 +65,7 @@ PlanarField refine(const Response& response, const PlanarField& start, const Emp
   const double depth = std::max(1.0, (far - 1.0) / std::max(std::abs(start.convergence), 0.3));
   const Parameters step = {
       0.08 * size, 0.25 * s, s, 1.5 * s / depth, 1.5 * s / (depth * depth), s / (depth * depth * depth)};
-  return field_of(start, minimise_simplex(cost, parameters(start), step, calls, 1e-5));
+  return field_of(start, minimise_simplex(cost, parameters(start), step, calls, kScoreTolerance));
 }
 
 // ---- Following: centre and spacing may leave the plane from strip to strip, by dynamic programming

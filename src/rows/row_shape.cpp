@@ -85,20 +85,27 @@ Profile sample_profile(const GreenMap& map, const std::vector<float>& sums, cons
   return sum;
 }
 
-Profile window_mean(const std::vector<Profile>& profiles, std::size_t at) {
-  Profile mean{};
+/// For every sample the mean of the profiles in its window; a running sum, so the window's length costs
+/// nothing.
+std::vector<Profile> window_means(const std::vector<Profile>& profiles) {
+  std::vector<Profile> means(profiles.size());
+  std::array<double, kBins> sum{};
   std::array<int, kBins> count{};
-  const std::size_t from = at > kWindow ? at - kWindow : 0, to = std::min(profiles.size(), at + kWindow + 1);
-  for (std::size_t j = from; j < to; ++j) {
+  const auto add = [&](const Profile& profile, int sign) {
     for (std::size_t i = 0; i < kBins; ++i) {
-      if (std::isnan(profiles[j][i])) continue;
-      mean[i] += profiles[j][i];
-      ++count[i];
+      const bool is_seen = !std::isnan(profile[i]);
+      sum[i] += is_seen ? sign * static_cast<double>(profile[i]) : 0.0;
+      count[i] += is_seen ? sign : 0;
     }
+  };
+  for (std::size_t j = 0; j < std::min<std::size_t>(kWindow, profiles.size()); ++j) add(profiles[j], 1);
+  for (std::size_t j = 0; j < profiles.size(); ++j) {
+    if (j + kWindow < profiles.size()) add(profiles[j + kWindow], 1);
+    if (j > kWindow) add(profiles[j - kWindow - 1], -1);
+    for (std::size_t i = 0; i < kBins; ++i)
+      means[j][i] = count[i] > 0 ? static_cast<float>(sum[i] / count[i]) : kNone;
   }
-  for (std::size_t i = 0; i < kBins; ++i)
-    mean[i] = count[i] > 0 ? mean[i] / static_cast<float>(count[i]) : kNone;
-  return mean;
+  return means;
 }
 
 /// Mean of the lower (or upper) half of the values in an interval of x.
@@ -231,10 +238,9 @@ Light window_light(const std::vector<Light>& lights, std::size_t at) {
 Measured measure(const GreenMap& map, const CommonModel& model, const RowLine& row,
                  const std::vector<Profile>& profiles) {
   Measured measured;
-  std::vector<Profile> means;
+  const std::vector<Profile> means = window_means(profiles);
   std::vector<Light> lights;
   for (std::size_t j = 0; j < profiles.size(); ++j) {
-    means.push_back(window_mean(profiles, j));
     const Levels levels = levels_of(means[j]);
     lights.push_back(sample_light(map, model, row.index, row.samples[j].centre_px.y(),
                                   edge_of(means[j], 0, levels.middle[0]),
