@@ -119,7 +119,7 @@ Result<Member> member_of(const ShotInput& input, const Camera& camera, const Fie
   FURROW_TRY(const RefinedShot settled, settle_shot(member.shot, camera, field, alone));
   check(settled.usable, "a settled shot is usable");
   FURROW_TRY(const GimbalPrior gimbal, gimbal_prior(input.attitude));
-  const double sigma = std::hypot(options.gimbal_noise_rad, options.shot.terrain_slope_sigma_rad);
+  const double sigma = options.angle_noise_rad;
   if (gimbal.theta.usable()) member.log_theta = {gimbal.theta.value, sigma, 1};
   // Without a stated roll the camera is level as loosely as for one shot, and no bias can be told.
   const double loose = input.attitude.roll_rad.usable() ? sigma : std::hypot(sigma, gimbal.lambda.sigma);

@@ -282,6 +282,13 @@ RelativeFarm relative_farm(const FieldKnowledge& field) {
   return r;
 }
 
+/// How wrong the top edge's slope is for a near edge, which may be the foot of a wall as deep as the spacing:
+/// uniform over t to t / (1 + |b|), about its upper end (eq. 3.7).
+double wall_slope_sigma(const EdgeLine& line, double slope, double b) {
+  if (is_top_edge(line, slope)) return 0.0;
+  return std::abs(slope * b) / (1.0 + std::abs(b)) / std::sqrt(3.0);
+}
+
 std::vector<PencilBlock> whitened_blocks(const std::vector<EdgeLine>& lines, const PencilVector& x,
                                          const RowWander& wander) {
   const RowAxes<double> axes = row_axes(x[kPencilTheta], x[kPencilLambda], x[kPencilPsi]);
@@ -289,9 +296,9 @@ std::vector<PencilBlock> whitened_blocks(const std::vector<EdgeLine>& lines, con
   for (RowBlock& rows : group_by_row(lines)) {
     std::vector<LinePlace> places;
     for (const EdgeLine& line : rows.lines) {
+      const double slope = x[kPencilA] + x[kPencilB] * line.row + x[kPencilG] * half_widths(line);
       // Lengths in units of the spacing: the drop is 1 / |b|.
-      places.push_back({x[kPencilA] + x[kPencilB] * line.row + x[kPencilG] * half_widths(line),
-                        1.0 / std::abs(x[kPencilB]), 0.0});
+      places.push_back({slope, 1.0 / std::abs(x[kPencilB]), wall_slope_sigma(line, slope, x[kPencilB])});
     }
     PencilBlock block;
     block.whitener = whitener_of(block_covariance(rows, places, axes, wander));

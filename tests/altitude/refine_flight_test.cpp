@@ -60,8 +60,7 @@ const Noise kNoise{
 
 FlightOptions level_ground() {
   FlightOptions options;
-  options.mean_slope_sigma_rad = 0.0;
-  options.shot.terrain_slope_sigma_rad = 0.0;
+  options.angle_noise_rad = deg_to_rad(0.2);
   return options;
 }
 

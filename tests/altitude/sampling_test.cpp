@@ -24,6 +24,7 @@ struct Case {
   double low_m, high_m;  ///< above the canopy
   double pitch_deg;
   double correlation;
+  bool leaf_against_leaf = true;
 };
 
 Estimate drawn(double truth, double sigma, base::Random& random) {
@@ -54,14 +55,17 @@ Trial draw(const Case& c, base::Random& random) {
 class Sampling : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Sampling, TruthLiesInsideItsSigmasAsOftenAsClaimed) {
-  constexpr int kShots = 300;  // 1200 over the four cases
+  constexpr int kShots = 300;  // 1500 over the five cases
   const Case c = GetParam();
   const Camera camera = testing::thesis_camera();
   base::Random random(20240611);
   std::vector<Estimate> height, pitch, heading, cross, spacing_height;
   std::vector<double> true_height, true_pitch, true_heading, true_cross;
-  const Noise noise{
-      .edge_sigma_px = 1.5, .correlation = c.correlation, .planting_sigma_m = 0.03, .growth_sigma_m = 0.03};
+  const Noise noise{.edge_sigma_px = 1.5,
+                    .correlation = c.correlation,
+                    .planting_sigma_m = 0.03,
+                    .growth_sigma_m = 0.03,
+                    .leaf_against_leaf = c.leaf_against_leaf};
   double worst = 0.0, squares = 0.0;
   int answered = 0;
   for (int i = 0; i < kShots; ++i) {
@@ -98,6 +102,7 @@ TEST_P(Sampling, TruthLiesInsideItsSigmasAsOftenAsClaimed) {
 INSTANTIATE_TEST_SUITE_P(Heights, Sampling,
                          ::testing::Values(Case{"3 to 5 m, -13 deg", 1.3, 3.3, -13.0, 0.6},
                                            Case{"3 to 6 m, -20 deg", 1.3, 4.3, -20.0, 0.8},
+                                           Case{"4 to 5 m, against soil", 2.0, 3.3, -13.0, 0.6, false},
                                            Case{"8 m, -45 deg", 5.5, 7.0, -45.0, 0.6},
                                            Case{"30 m, nadir", 25.0, 32.0, -90.0, 0.6}));
 

@@ -99,7 +99,21 @@ void run(const char* name, const std::vector<altitude::ShotInput>& shots, const 
 struct Condition {
   const char* name;
   double low_m, high_m, pitch_deg;
+  bool timed = false;  ///< also time long flights of it
 };
+
+/// Time of a long flight: the same shots over and over.
+void time_flight(const std::vector<altitude::ShotInput>& shots, const Camera& camera, std::size_t count) {
+  std::vector<altitude::ShotInput> many;
+  for (std::size_t i = 0; i < count; ++i) many.push_back(shots[i % shots.size()]);
+  altitude::FlightOptions options;
+  options.threads = 1;
+  const std::clock_t start = std::clock();
+  const auto flight = altitude::refine_flight(many, camera, farm(3.0, 0.6, 1.7), options);
+  std::printf("flight of %zu shots: %.1f s, %s\n", count,
+              static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC,
+              flight.ok() ? flight->termination.c_str() : flight.error().message().c_str());
+}
 
 void generated(const Condition& c, int count) {
   base::Random random(20240618);
@@ -125,6 +139,10 @@ void generated(const Condition& c, int count) {
     truths.push_back({world.height_above_canopy_m, world.cross_track_m, world.attitude.pitch_rad});
   }
   run(c.name, shots, truths, camera, farm(3.0, 0.6, 1.7));
+  if (c.timed) {
+    for (const std::size_t long_flight : {std::size_t{1000}, std::size_t{10000}})
+      time_flight(shots, camera, long_flight);
+  }
 }
 
 /// A number of truth.csv.
@@ -172,7 +190,7 @@ int main(int argc, char** argv) {
   for (const Condition& c :
        {Condition{"3 m above ground, -12.4 deg", 1.1, 1.5, -12.4},
         Condition{"4 m above ground, -13.8 deg", 2.1, 2.5, -13.8},
-        Condition{"5 m above ground, -13.8 deg", 3.1, 3.5, -13.8},
+        Condition{"5 m above ground, -13.8 deg", 3.1, 3.5, -13.8, true},
         Condition{"3 to 6 m, -20 deg", 1.3, 4.3, -20.0}, Condition{"8 m, -45 deg", 6.0, 6.6, -45.0},
         Condition{"30 m, nadir", 27.5, 29.0, -90.0}}) {
     generated(c, 100);

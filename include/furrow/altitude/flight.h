@@ -23,12 +23,15 @@ struct ShotInput {
 
 struct FlightOptions {
   RefineOptions shot;
-  /// One-sigma of the gimbal's angles from shot to shot, apart from what is common to the flight. Default:
-  /// logs give 0.1 deg steps and gimbals hold to about 0.2 deg.
-  double gimbal_noise_rad = 0.0035;
+  /// One-sigma of the logged angles against the rows' plane from shot to shot, apart from what is common to
+  /// the flight: gimbal, rounding of the log, waves of the ground (shot.terrain_slope_sigma_rad plays no
+  /// part). Default 0.3 deg: logs give 0.1 deg steps, gimbals hold to 0.2 deg, and a picture averages the
+  /// ground over ten metres and more.
+  double angle_noise_rad = 0.0052;
   /// One-sigma of the slope of the rows' plane along the flight, common to all shots, in the direction of
-  /// travel. The shots' own waviness is shot.terrain_slope_sigma_rad.
-  double mean_slope_sigma_rad = 0.0087;
+  /// travel. 0: the pitch bias then includes the slope, which a flight one way cannot tell from it. Give it
+  /// when shots look both ways (ShotInput::direction).
+  double mean_slope_sigma_rad = 0.0;
   /// One-sigma of the common factor on the focal length; 0 keeps the camera's. Worth more than 0 only when
   /// log heights are given.
   double focal_sigma = 0.0;
@@ -61,7 +64,8 @@ struct RefinedFlight {
   std::vector<RefinedShot> shots;   ///< one for each input; not usable where status is not "ok"
   std::vector<std::string> status;  ///< "ok", or the shot's error code
   std::vector<std::string> reason;  ///< the shot's error message when not ok
-  /// Log minus true pitch and roll against level ground along the mean slope; radians.
+  /// Log minus true pitch and roll; against the rows' plane when mean_slope_sigma_rad is 0, against level
+  /// ground otherwise.
   Estimate pitch_bias_rad, roll_bias_rad;
   Estimate row_spacing_m, half_width_m, foliage_depth_m;
   std::vector<SharedQuantity> shared;
