@@ -275,6 +275,7 @@ Measured measure(const GreenMap& map, const CommonModel& model, const RowLine& r
 
 void write_samples(const Measured& measured, const CommonModel& model, double px_floor, RowLine& row) {
   constexpr double kOutlierSigmas = 3.5;
+  int edges = 0;
   for (std::size_t j = 0; j < row.samples.size(); ++j) {
     RowSample& sample = row.samples[j];
     const Cut cut = model.at(sample.centre_px.y());
@@ -300,7 +301,12 @@ void write_samples(const Measured& measured, const CommonModel& model, double px
     if (const auto edge = own(1)) sample.right_u_px = model_u + *edge * cut.spacing;
     sample.edge_sigma_px =
         std::max(px_floor, std::max(measured.scatter[0], measured.scatter[1]) * cut.spacing);
+    const bool has_edge = std::isfinite(sample.left_u_px) || std::isfinite(sample.right_u_px);
+    sample.seen = sample.seen && has_edge;
+    edges += has_edge;
   }
+  constexpr double kLeastShown = 0.1;  // part of a row's samples that must show an edge
+  row.seen = edges >= kLeastShown * static_cast<double>(row.samples.size());
 }
 
 std::optional<Estimate> half_width_at(const Measured& measured, const CommonModel& model, double v_middle,

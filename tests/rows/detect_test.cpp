@@ -189,6 +189,20 @@ TEST(FieldEdges, RaggedEdgesHaveHonestSigmas) {
   EXPECT_GT(inside(2.0), 0.88);
 }
 
+TEST(FieldEdges, GapsAreNotSeen) {
+  DrawnField drawn = nadir();
+  drawn.gaps = 0.3, drawn.noise = 2.0;
+  const RowLines lines = detect(draw(drawn));
+  ASSERT_TRUE(lines.ok());
+  int seen = 0, unseen = 0;
+  for (const RowLine& row : lines.rows) {
+    EXPECT_TRUE(row.seen) << row.index;
+    for (const RowSample& sample : row.samples) ++(sample.seen ? seen : unseen);
+  }
+  EXPECT_GT(seen, unseen);
+  EXPECT_GT(unseen, (seen + unseen) / 10);
+}
+
 TEST(FieldEdges, MergedRowsHaveNoEdges) {
   DrawnField drawn = nadir();
   drawn.half_width = 0.5;
@@ -243,6 +257,16 @@ TEST(BadPictures, AnySizeIsAnswered) {
       EXPECT_EQ(lines.width, width);
     }
   }
+}
+
+TEST(BadPictures, AHundredMegapixels) {
+  const DrawnField drawn = oblique(320, 240);
+  const Image small = draw(drawn);
+  const Image large = image::resize(small, 11600, 8700);
+  const RowLines lines = detect(large);
+  ASSERT_TRUE(lines.ok());
+  EXPECT_NEAR(lines.field->spacing_at(0.7 * 8700) / (drawn.field.spacing_at(0.7 * 240) * 8700 / 240), 1.0,
+              0.03);
 }
 
 TEST(BadPictures, GreyHasNoGreen) {
