@@ -243,7 +243,7 @@ double best_tooth(const Strips& strips, const PlanarField& field) {
 /// Coarse trials refined on coarse strips; the best few that differ.
 std::vector<FoundField> refine_trials(const Strips& strips, const std::vector<Trial>& trials,
                                       const SearchPriors& priors) {
-  constexpr std::size_t kTried = 8, kKept = 3;
+  constexpr std::size_t kTried = 8, kKept = 2;
   std::vector<FoundField> found;
   for (std::size_t i = 0; i < std::min(kTried, trials.size()); ++i) {
     FoundField one;
