@@ -13,7 +13,7 @@ Eigen::Matrix<double, 8, kShotSize> output_jacobian(const ShotVector& x) {
   t.block<3, 3>(1, kTheta) = attitude_jacobian({x[kTheta], x[kLambda], x[kPsi]});
   t(4, kCrossTrack) = 1.0;
   t(5, kPoseSize + kSpacing) = 1.0;
-  t(6, kPoseSize + kHalfWidth) = 1.0;
+  t(6, kPoseSize + kHalfWidth) = x[kPoseSize + kHalfWidth] < 0.0 ? -1.0 : 1.0;
   t(7, kPoseSize + kDepth) = x[kPoseSize + kDepth] < 0.0 ? -1.0 : 1.0;
   return t;
 }
@@ -92,7 +92,7 @@ RefinedShot describe(const ShotSystem& system, const ShotVector& x, const ShotMa
   shot.yaw_rad = estimate(attitude.yaw_rad, 3);
   shot.cross_track_m = estimate(x[kCrossTrack], 4);
   shot.row_spacing_m = estimate(x[kPoseSize + kSpacing], 5);
-  shot.half_width_m = estimate(x[kPoseSize + kHalfWidth], 6);
+  shot.half_width_m = estimate(std::abs(x[kPoseSize + kHalfWidth]), 6);
   shot.foliage_depth_m = estimate(std::abs(x[kPoseSize + kDepth]), 7);
   shot.heading_rad = {x[kPsi], std::sqrt(total(kPsi, kPsi)), shot.observations};
   const int ratio = kPoseSize + kBaseRatio;

@@ -51,6 +51,11 @@ T distance(const Vector3<T>& l, const Eigen::Vector2d& p, const T& zoom = T(1.0)
   return ((l.x * p.x() + l.y * p.y()) / zoom + l.z) / sqrt(l.x * l.x + l.y * l.y);
 }
 
+template <class T>
+T magnitude(const T& x) {
+  return x < T(0.0) ? T(-x) : x;
+}
+
 /// Slopes between which a row's green is seen; `*_drop` is the drop at which the edge that is seen stands.
 template <class T>
 struct VisibleRow {
@@ -63,9 +68,8 @@ struct VisibleRow {
 template <class T>
 VisibleRow<T> visible_row(const T* pose, const T* farm, int k) {
   using std::exp;
-  // The depth enters by its magnitude: a prior that reaches 0 must not let the base rise above the top.
-  const T h = exp(pose[kLogHeight]), w = farm[kHalfWidth];
-  const T d = farm[kDepth] < T(0.0) ? T(-farm[kDepth]) : farm[kDepth];
+  // Width and depth enter by their magnitudes: a prior that reaches 0 must not turn the row inside out.
+  const T h = exp(pose[kLogHeight]), w = magnitude(farm[kHalfWidth]), d = magnitude(farm[kDepth]);
   const T s = farm[kSpacing], wb = farm[kBaseRatio] * w, hb = h + d;
   const T y = -pose[kCrossTrack] - static_cast<double>(k) * s;
   VisibleRow<T> v{(y + w) / h, (y - w) / h, h, h};

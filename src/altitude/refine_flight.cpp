@@ -306,7 +306,9 @@ void describe_shared(const Flight& flight, const Eigen::MatrixXd& covariance, Re
     SharedQuantity quantity;
     quantity.name = kNames[i];
     quantity.prior = flight.shared_priors[static_cast<std::size_t>(i)].wanted;
-    quantity.posterior = {flight.shared[i], sigma[i], count};
+    // Width and depth count by their magnitudes (prism.h).
+    const bool length = i == kHalfWidth || i == kDepth;
+    quantity.posterior = {length ? std::abs(flight.shared[i]) : flight.shared[i], sigma[i], count};
     quantity.sigma_ratio = sigma[i] / quantity.prior.sigma;
     for (int j = 0; j < kSharedSize; ++j) {
       if (j == i || std::abs(result.shared_correlation(i, j)) <= std::abs(quantity.correlation)) continue;
