@@ -109,7 +109,8 @@ Finding pitch_bias(const std::vector<ShotRecord>& records, const Limits& limits)
 
 Finding assess_focal(double focal_px, int width_px, double focal_length_35mm_mm, const Limits& limits) {
   const std::string title = "Focal length in use against the pictures' metadata";
-  if (!std::isfinite(focal_length_35mm_mm)) return not_assessed("camera.focal", title, "the pictures state no 35 mm equivalent");
+  if (!std::isfinite(focal_length_35mm_mm))
+    return not_assessed("camera.focal", title, "the pictures state no 35 mm equivalent");
   const auto focal_px_of = [&](double height_over_width) {
     constexpr double kDiagonal35mm = 43.2666153;  // of 36 mm x 24 mm
     return focal_length_35mm_mm / kDiagonal35mm * width_px * std::hypot(1.0, height_over_width);
@@ -117,11 +118,13 @@ Finding assess_focal(double focal_px, int width_px, double focal_length_35mm_mm,
   const double low = focal_px_of(9.0 / 16.0);
   const double high = focal_px_of(3.0 / 4.0);
   const double outside = std::max({0.0, low / focal_px - 1.0, focal_px / high - 1.0});
-  return judged("camera.focal", title, outside <= limits.focal_share, format_fixed(focal_px, 0) + " px",
-                format_fixed(low, 0) + " to " + format_fixed(high, 0) + " px, give or take " + percent(limits.focal_share),
-                "metadata: " + format_fixed(focal_length_35mm_mm, 0) + " mm (35 mm equivalent), pictures " + std::to_string(width_px) +
-                    " px wide; outside the range by " + format_fixed(100.0 * outside, 1) +
-                    " %. A calibration in another mode, zoom or crop than the shots moves every height by its share.");
+  return judged(
+      "camera.focal", title, outside <= limits.focal_share, format_fixed(focal_px, 0) + " px",
+      format_fixed(low, 0) + " to " + format_fixed(high, 0) + " px, give or take " +
+          percent(limits.focal_share),
+      "metadata: " + format_fixed(focal_length_35mm_mm, 0) + " mm (35 mm equivalent), pictures " +
+          std::to_string(width_px) + " px wide; outside the range by " + format_fixed(100.0 * outside, 1) +
+          " %. A calibration in another mode, zoom or crop than the shots moves every height by its share.");
 }
 
 std::vector<Finding> assess_calibration(const calib::Calibration& calibration, const Limits& limits) {

@@ -48,6 +48,8 @@ std::vector<std::pair<std::string, Cell>> columns() {
       {"above_canopy_refined_sigma_m", sigma_of(&R::above_canopy_refined_m, 4)},
       {"above_ground_refined_m", value_of(&R::above_ground_refined_m, 4)},
       {"above_ground_refined_sigma_m", sigma_of(&R::above_ground_refined_m, 4)},
+      {"above_canopy_flight_m", value_of(&R::above_canopy_flight_m, 4)},
+      {"above_canopy_flight_sigma_m", sigma_of(&R::above_canopy_flight_m, 4)},
       {"cross_track_m", value_of(&R::cross_track_m, 4)},
       {"cross_track_sigma_m", sigma_of(&R::cross_track_m, 4)},
       {"heading_error_deg", value_of(&R::heading_error_deg, 4)},

@@ -18,13 +18,19 @@ struct Arguments {
   bool json = false;
 };
 
+std::string share(double value) {
+  return std::isfinite(value) ? base::format_fixed(100.0 * value, 0) : "-";
+}
+
 base::CsvTable comparison_table(const std::vector<project::TruthComparison>& lines) {
   base::CsvTable table;
-  table.columns = {"height above canopy", "shots", "mean error m", "sd m", "RMSE m", "RMSE %"};
+  table.columns = {"height above canopy", "shots",       "mean error m", "sd m", "RMSE m", "RMSE %",
+                   "in 1 sigma %",        "in 2 sigma %"};
   for (const auto& line : lines) {
     table.rows.push_back({line.method, std::to_string(line.shots), base::format_fixed(line.mean_error_m, 3),
                           base::format_fixed(line.sd_error_m, 3), base::format_fixed(line.rmse_m, 3),
-                          base::format_fixed(100.0 * line.rmse_share, 2)});
+                          base::format_fixed(100.0 * line.rmse_share, 2), share(line.within_1_sigma),
+                          share(line.within_2_sigma)});
   }
   return table;
 }
@@ -35,14 +41,14 @@ base::CsvTable heights_table(const std::vector<audit::ShotRecord>& records, bool
     return std::isfinite(value) ? base::format_fixed(value, 2) : std::string("-");
   };
   base::CsvTable table;
-  table.columns = {"shot", "log m", "thesis m", "spacing m", "refined m", "sigma m"};
+  table.columns = {"shot", "log m", "thesis m", "spacing m", "refined m", "sigma m", "flight m"};
   if (with_truth) table.columns.push_back("true m");
   table.columns.push_back("status");
   for (const auto& r : records) {
     auto& row = table.rows.emplace_back(std::vector<std::string>{
         r.shot_id, number(r.height_takeoff_m), number(r.above_canopy_thesis_m.value),
         number(r.above_canopy_spacing_m.value), number(r.above_canopy_refined_m.value),
-        number(r.above_canopy_refined_m.sigma)});
+        number(r.above_canopy_refined_m.sigma), number(r.above_canopy_flight_m.value)});
     if (with_truth) row.push_back(number(r.truth_above_canopy_m));
     row.push_back(r.status);
   }
@@ -63,6 +69,8 @@ base::Value json_of(const project::RunOutcome& outcome) {
     entry.set("sd_error_m", line.sd_error_m);
     entry.set("rmse_m", line.rmse_m);
     entry.set("rmse_share", line.rmse_share);
+    entry.set("within_1_sigma", line.within_1_sigma);
+    entry.set("within_2_sigma", line.within_2_sigma);
     lines.push_back(std::move(entry));
   }
   value.set("truth", std::move(lines));

@@ -4,6 +4,7 @@
 
 #include "furrow/base/text.h"
 #include "furrow/base/version.h"
+#include "furrow/figures/pictures.h"
 #include "furrow/geom/angles.h"
 #include "furrow/stats/agreement.h"
 
@@ -52,14 +53,27 @@ report::PageTable view_table(const calib::Calibration& calibration) {
   return table;
 }
 
+/// A share in percent; "-" for one that is not known.
+std::string share(double value) {
+  return std::isfinite(value) ? format_fixed(100.0 * value, 0) : "-";
+}
+
 report::PageTable truth_table(const std::vector<TruthComparison>& comparison) {
   report::PageTable table;
   table.caption = "Height above the canopy against the truth of the simulation (estimate - truth)";
-  table.cells.columns = {"method", "shots", "mean error / m", "sd / m", "RMSE / m", "RMSE / % of height"};
+  table.cells.columns = {"method",
+                         "shots",
+                         "mean error / m",
+                         "sd / m",
+                         "RMSE / m",
+                         "RMSE / % of height",
+                         "truth within 1 sigma / %",
+                         "within 2 sigma / %"};
   for (const TruthComparison& line : comparison) {
     table.cells.rows.push_back({line.method, std::to_string(line.shots), format_fixed(line.mean_error_m, 3),
                                 format_fixed(line.sd_error_m, 3), format_fixed(line.rmse_m, 3),
-                                format_fixed(100.0 * line.rmse_share, 2)});
+                                format_fixed(100.0 * line.rmse_share, 2), share(line.within_1_sigma),
+                                share(line.within_2_sigma)});
   }
   return table;
 }
@@ -83,21 +97,51 @@ report::PageTable shot_table(const std::vector<audit::ShotRecord>& records) {
                          "above canopy, thesis / m",
                          "above canopy, spacing / m",
                          "above canopy, refined / m",
+                         "above canopy, whole flight / m",
                          "above ground, refined / m",
                          "cross-track / m",
                          "heading error / deg",
                          "rows",
                          "status"};
   for (const auto& r : records) {
-    table.cells.rows.push_back({r.shot_id, number(r.height_takeoff_m, 1), number(r.height_vps_m, 1),
-                                number(r.pitch_log_deg, 1), estimate(r.pitch_deg, 2),
-                                number(r.above_canopy_thesis_m.value, 2),
-                                estimate(r.above_canopy_spacing_m, 2), estimate(r.above_canopy_refined_m, 2),
-                                estimate(r.above_ground_refined_m, 2), estimate(r.cross_track_m, 2),
-                                estimate(r.heading_error_deg, 2), std::to_string(r.rows_used),
-                                r.status == "ok" ? "ok" : r.status + ": " + r.reason});
+    table.cells.rows.push_back(
+        {r.shot_id, number(r.height_takeoff_m, 1), number(r.height_vps_m, 1), number(r.pitch_log_deg, 1),
+         estimate(r.pitch_deg, 2), number(r.above_canopy_thesis_m.value, 2),
+         estimate(r.above_canopy_spacing_m, 2), estimate(r.above_canopy_refined_m, 2),
+         estimate(r.above_canopy_flight_m, 2), estimate(r.above_ground_refined_m, 2),
+         estimate(r.cross_track_m, 2), estimate(r.heading_error_deg, 2), std::to_string(r.rows_used),
+         r.status == "ok" ? "ok" : r.status + ": " + r.reason});
   }
   return table;
+}
+
+/// What the flight as a whole told of the quantities its shots share.
+report::Section flight_section(const Result<altitude::RefinedFlight>& flight) {
+  report::Section section;
+  section.title = "The flight as a whole";
+  if (!flight.ok()) {
+    section.paragraphs = {"Not refined as a whole: " + flight.error().message()};
+    return section;
+  }
+  section.paragraphs = {
+      "All shots were refined at once; gimbal bias and the farm's numbers are common to them. A sigma ratio "
+      "near 1 says that the "
+      "pictures tell nothing about a quantity beyond what was known before; a correlation near 1 or -1 says "
+      "that only the "
+      "two together are told.",
+      flight->termination + " after " + std::to_string(flight->iterations) + " iterations."};
+  report::PageTable table;
+  table.caption = "Shared quantities (angles in degrees, lengths in metres)";
+  table.cells.columns = {"quantity", "before", "after", "sigma ratio", "most correlated with", "correlation"};
+  for (const altitude::SharedQuantity& q : flight->shared) {
+    const double unit = q.name.ends_with("_bias") || q.name == "terrain_slope" ? geom::rad_to_deg(1.0) : 1.0;
+    table.cells.rows.push_back({q.name, with_sigma(unit * q.prior.value, unit * q.prior.sigma, 3),
+                                with_sigma(unit * q.posterior.value, unit * q.posterior.sigma, 3),
+                                format_fixed(q.sigma_ratio, 2), q.most_correlated,
+                                format_fixed(q.correlation, 2)});
+  }
+  section.tables = {std::move(table)};
+  return section;
 }
 
 std::vector<std::string> run_summary(const RunContent& content,
@@ -126,6 +170,7 @@ std::vector<std::string> run_summary(const RunContent& content,
                     " m.");
   }
   for (const TruthComparison& line : comparison) {
+    if (line.shots == 0) continue;
     words.push_back("Against the truth of the simulation the " + line.method + " errs by " +
                     format_fixed(line.rmse_m, 3) + " m RMS (" + format_fixed(100.0 * line.rmse_share, 1) +
                     " % of the height) over " + std::to_string(line.shots) + " shots.");
@@ -143,6 +188,7 @@ Result<std::vector<figures::Figure>> calibration_figures(const calib::Calibratio
   std::vector<figures::Figure> made;
   FURROW_TRY(made.emplace_back(), figures::reprojection_bars(calibration));
   FURROW_TRY(made.emplace_back(), figures::board_poses(calibration));
+  FURROW_TRY(made.emplace_back(), figures::residual_map(calibration));
   return made;
 }
 
@@ -208,6 +254,8 @@ report::Page run_page(RunContent content) {
   heights.figures = std::move(content.flight_figures);
   heights.tables.push_back(shot_table(content.records));
   page.sections.push_back(std::move(heights));
+
+  page.sections.push_back(flight_section(content.flight));
 
   report::Section rows;
   rows.title = "Rows";

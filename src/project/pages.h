@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "furrow/altitude/flight.h"
 #include "furrow/calib/calibrate.h"
 #include "furrow/project/jobs.h"
 #include "furrow/report/page.h"
@@ -25,6 +26,7 @@ struct RunContent {
   const std::vector<audit::ShotRecord>& records;
   const std::vector<audit::Finding>& findings;
   const Camera& camera;
+  const Result<altitude::RefinedFlight>& flight;
   std::vector<std::string> camera_words;     ///< what was calibrated at which size, how it was carried
   std::vector<std::string> log_words;        ///< which log, how the shots were found in it, warnings
   std::vector<report::Section> calibration;  ///< none or one

@@ -3,10 +3,12 @@
 #include <map>
 #include <mutex>
 
+#include "furrow/altitude/flight.h"
 #include "furrow/base/file.h"
 #include "furrow/base/parallel.h"
 #include "furrow/base/text.h"
 #include "furrow/camera/model_files.h"
+#include "furrow/figures/comparison.h"
 #include "furrow/figures/figures.h"
 #include "furrow/image/image.h"
 #include "furrow/project/jobs.h"
@@ -79,6 +81,30 @@ std::vector<ShotResult> process_shots(const std::vector<telemetry::Shot>& shots,
   return results;
 }
 
+/// All shots at once. Nothing, with a reason, when the pictures differ in size or no shot can carry it.
+Result<altitude::RefinedFlight> refine_flight(const std::vector<ShotResult>& results, const Project& project,
+                                              const JobOptions& job) {
+  std::vector<altitude::ShotInput> inputs;
+  const Camera* camera = nullptr;
+  for (const ShotResult& result : results) {
+    inputs.push_back({result.record.shot_id, result.lines, result.prior, result.record.height_takeoff_m});
+    if (!result.camera) continue;
+    if (camera != nullptr &&
+        (camera->width != result.camera->width || camera->height != result.camera->height)) {
+      return Error{"picture_sizes_differ", project.name, "pictures of more than one size",
+                   "one size for a flight as a whole", ""};
+    }
+    camera = &*result.camera;
+  }
+  if (camera == nullptr) return Error{"no_usable_shot", project.name, "no shot could be measured", "", ""};
+  altitude::FlightOptions options;
+  options.threads = job.threads;
+  base::report(job.progress, "refining the flight", 0, 1);
+  auto flight = altitude::refine_flight(inputs, *camera, project.field, options);
+  base::report(job.progress, "refining the flight", 1, 1);
+  return flight;
+}
+
 /// Puts a simulated flight's true heights beside the finished estimates.
 Status join_truth(std::vector<audit::ShotRecord>& records, const fs::path& truth) {
   FURROW_TRY(const base::CsvTable table, base::read_csv(truth));
@@ -122,12 +148,22 @@ Result<std::vector<figures::Figure>> overlays(const std::vector<telemetry::Shot>
   return made;
 }
 
+/// Keeps a figure; one that had nothing to draw is left out.
+Status keep(std::vector<figures::Figure>& made, Result<figures::Figure> figure) {
+  if (!figure.ok() && figure.error().code == "nothing_to_draw") return Done{};
+  FURROW_TRY(made.emplace_back(), std::move(figure));
+  return Done{};
+}
+
 Result<std::vector<figures::Figure>> flight_figures(const std::vector<audit::ShotRecord>& records,
                                                     double row_height_m) {
   std::vector<figures::Figure> made;
   FURROW_TRY(made.emplace_back(), figures::heights_over_shots(records, row_height_m));
   FURROW_TRY(made.emplace_back(), figures::pitch_over_shots(records));
   FURROW_TRY(made.emplace_back(), figures::cross_track_over_shots(records));
+  FURROW_DO(keep(made, figures::heights_by_leg(records, row_height_m)));
+  FURROW_DO(keep(made, figures::agreement(figures::heights_against_log(records))));
+  FURROW_DO(keep(made, figures::error_histogram(figures::heights_against_truth(records))));
   return made;
 }
 
@@ -136,10 +172,10 @@ std::vector<std::string> camera_words(const RunCamera& camera, const std::vector
   if (!camera.camera.provenance.empty()) words.push_back("Source: " + camera.camera.provenance + ".");
   std::vector<std::string> seen;
   for (const ShotResult& result : results) {
-    if (result.camera_provenance.empty() || result.camera_provenance == camera.camera.provenance) continue;
-    if (std::find(seen.begin(), seen.end(), result.camera_provenance) != seen.end()) continue;
-    seen.push_back(result.camera_provenance);
-    words.push_back("For the shots: " + result.camera_provenance + ".");
+    if (!result.camera || result.camera->provenance == camera.camera.provenance) continue;
+    if (std::find(seen.begin(), seen.end(), result.camera->provenance) != seen.end()) continue;
+    seen.push_back(result.camera->provenance);
+    words.push_back("For the shots: " + result.camera->provenance + ".");
   }
   return words;
 }
@@ -198,6 +234,7 @@ struct RunTables {
   std::optional<telemetry::Track> track;
   sync::Located located;
   std::vector<ShotResult> results;
+  Result<altitude::RefinedFlight> flight = Error{"not_run", "flight", "not refined yet", "", ""};
 };
 
 Result<RunTables> measure_flight(const Project& project, const JobOptions& job) {
@@ -209,6 +246,7 @@ Result<RunTables> measure_flight(const Project& project, const JobOptions& job) 
   }
   FURROW_TRY(tables.located, sync::locate_shots(tables.shots, tables.track));
   tables.results = process_shots(tables.shots, tables.located, tables.camera.camera, project, job);
+  tables.flight = refine_flight(tables.results, project, job);
   return tables;
 }
 
@@ -245,14 +283,17 @@ std::vector<TruthComparison> compare_with_truth(const std::vector<audit::ShotRec
   const std::vector<std::pair<std::string, Estimate audit::ShotRecord::*>> methods = {
       {"thesis formula", &audit::ShotRecord::above_canopy_thesis_m},
       {"row spacing, closed form", &audit::ShotRecord::above_canopy_spacing_m},
-      {"refined", &audit::ShotRecord::above_canopy_refined_m}};
+      {"refined, shot by shot", &audit::ShotRecord::above_canopy_refined_m},
+      {"refined, whole flight", &audit::ShotRecord::above_canopy_flight_m}};
   std::vector<TruthComparison> lines;
   for (const auto& [name, field] : methods) {
     std::vector<double> estimates;
     std::vector<double> truths;
     std::vector<double> shares;
+    std::vector<Estimate> all;
     for (const audit::ShotRecord& record : records) {
       if (!std::isfinite(record.truth_above_canopy_m)) continue;
+      all.push_back(record.*field);
       estimates.push_back((record.*field).value);
       truths.push_back(record.truth_above_canopy_m);
       shares.push_back((record.*field).value / record.truth_above_canopy_m);
@@ -260,8 +301,9 @@ std::vector<TruthComparison> compare_with_truth(const std::vector<audit::ShotRec
     if (truths.empty()) continue;
     const std::vector<double> ones(shares.size(), 1.0);
     const stats::Agreement result = stats::agreement(estimates, truths);
+    const stats::Coverage coverage = stats::coverage(all, truths);
     lines.push_back({name, result.pairs, result.mean_error, result.sd_error, result.rmse,
-                     stats::agreement(shares, ones).rmse});
+                     stats::agreement(shares, ones).rmse, coverage.within_1_sigma, coverage.within_2_sigma});
   }
   return lines;
 }
@@ -270,7 +312,11 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
                            const std::optional<fs::path>& truth) {
   FURROW_TRY(RunTables tables, measure_flight(project, job));
   RunOutcome outcome;
-  for (const ShotResult& result : tables.results) outcome.records.push_back(result.record);
+  for (std::size_t i = 0; i < tables.results.size(); ++i) {
+    outcome.records.push_back(tables.results[i].record);
+    if (tables.flight.ok())
+      outcome.records.back().above_canopy_flight_m = tables.flight->shots[i].height_above_canopy_m;
+  }
   const double row_height_m = project.field.row_height_m.value;
   outcome.findings = audit::assess_shots(outcome.records, row_height_m);
   outcome.findings.push_back(assess_focal(tables));
@@ -283,6 +329,7 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
                      outcome.records,
                      outcome.findings,
                      tables.camera.camera,
+                     tables.flight,
                      camera_words(tables.camera, tables.results),
                      log_words(project, tables.track, tables.located, tables.shots),
                      {},

@@ -130,21 +130,21 @@ ShotResult process_shot(const telemetry::Shot& shot, const sync::ShotPose& pose,
     set_failure(result.record, picture.error());
     return result;
   }
-  const auto carried = camera::carry_camera(camera, picture->width, picture->height);
+  auto carried = camera::carry_camera(camera, picture->width, picture->height);
   if (!carried.ok()) {
     set_failure(result.record, carried.error());
     return result;
   }
-  result.camera_provenance = carried->provenance;
+  result.camera = std::move(*carried);
   result.prior = prior_of(pose.state, project);
   rows::DetectOptions options;
   options.method = project.rows_method;
-  options.priors = horizon_of(result.prior, *carried);
+  options.priors = horizon_of(result.prior, *result.camera);
   const auto start = std::chrono::steady_clock::now();
   result.lines = rows::detect(*picture, options);
   result.elapsed_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  measure(result, *carried, project);
+  measure(result, *result.camera, project);
   return result;
 }
 

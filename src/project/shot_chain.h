@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 
 #include "furrow/altitude/shot_height.h"
@@ -16,8 +17,8 @@ struct ShotResult {
   audit::ShotRecord record;
   rows::RowLines lines;
   altitude::AttitudePrior prior;
-  double elapsed_ms = 0.0;        ///< of the row detection
-  std::string camera_provenance;  ///< how the intrinsics came to this picture's size
+  std::optional<Camera> camera;  ///< at this picture's size; nothing when it could not be carried there
+  double elapsed_ms = 0.0;       ///< of the row detection
 };
 
 /// Picture and log -> rows -> heights. Never fails: what stopped it stands in record.status and

@@ -26,6 +26,7 @@ struct ShotRecord {
   Estimate above_canopy_spacing_m;  ///< closed form
   Estimate above_canopy_refined_m;
   Estimate above_ground_refined_m;
+  Estimate above_canopy_flight_m;      ///< refined with all shots of the flight at once
   Estimate cross_track_m;      ///< camera left of the followed row
   Estimate heading_error_deg;  ///< camera points left of the row direction
   int rows_used = 0;
