@@ -89,7 +89,7 @@ struct Aligned {
 void align(const Rectified& rectified, double slope, double bend, Aligned& out) {
   std::array<float, kBins + 1> steps{};
   constexpr int bins = static_cast<int>(kBins);
-  constexpr std::size_t kMostLines = 64;
+  constexpr std::size_t kMostLines = 80;  // make_strips at a fortieth of the height gives at most 79
   std::array<const std::int16_t*, kMostLines> values{};
   const std::size_t lines = std::min(rectified.lines.size(), kMostLines);
   for (std::size_t j = 0; j < lines; ++j) {
