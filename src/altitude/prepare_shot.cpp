@@ -120,6 +120,10 @@ Result<PreparedShot> prepare_directions(const RowsOnUnitPlane& directions, const
   PreparedShot shot;
   FURROW_TRY(shot.system, build_system(pencil, farm, prior, options));
   shot.x = start_of(pencil, farm);
+  if (!shot.x.allFinite() || !sane_pose(shot.x.data())) {
+    return Error{"ill_conditioned", "rows", "rows whose slopes mean no height that can be flown",
+                 "rows of one field", ""};
+  }
   weigh(shot.system, shot.x);
   const SolveReport report = solve(shot.system, shot.x, true, options);
   shot.iterations = report.iterations;

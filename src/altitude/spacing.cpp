@@ -215,8 +215,8 @@ std::vector<double> slope_steps(const std::vector<double>& places, const std::ve
   std::vector<double> steps;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      const int apart = std::abs(lines[i].row - lines[j].row);
-      if (apart >= 1 && apart <= reach) steps.push_back((slopes[i] - slopes[j]) / (places[i] - places[j]));
+      const double apart = std::abs(static_cast<double>(lines[i].row) - lines[j].row);
+      if (apart >= 1.0 && apart <= reach) steps.push_back((slopes[i] - slopes[j]) / (places[i] - places[j]));
     }
   }
   return steps;

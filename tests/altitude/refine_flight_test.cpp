@@ -182,6 +182,49 @@ TEST(RefineFlight, ABadShotIsNamedAndSkipped) {
             "no_usable_shot");
 }
 
+// Random pixels, edges, indices and sigmas, with NaN, infinities and huge numbers among them: an answer is
+// finite, or it is an error.
+TEST(RefineFlight, GarbageGivesErrorsOrFiniteNumbers) {
+  base::Random random(10);
+  const auto number = [&](double scale) {
+    const double kind = random.uniform();
+    if (kind < 0.03) return std::nan("");
+    if (kind < 0.06) return kind < 0.045 ? HUGE_VAL : -1e300;
+    return random.uniform(-0.2, 1.2) * scale;
+  };
+  FieldKnowledge field;
+  field.row_spacing_m = {3.0, 0.03, 1};
+  std::vector<ShotInput> shots;
+  for (int i = 0; i < 200; ++i) {
+    ShotInput shot;
+    shot.lines.width = 1280, shot.lines.height = 720, shot.lines.status = "ok";
+    const std::uint32_t rows = random.below(6);
+    for (std::uint32_t k = 0; k < rows; ++k) {
+      rows::RowLine row;
+      row.index = random.uniform() < 0.8 ? static_cast<int>(k) : static_cast<int>(random.below(2000000000));
+      const std::uint32_t samples = random.below(12);
+      for (std::uint32_t j = 0; j < samples; ++j) {
+        row.samples.push_back(
+            {{number(1280.0), number(720.0)}, number(3.0), number(1280.0), number(1280.0), number(3.0)});
+      }
+      shot.lines.rows.push_back(row);
+    }
+    shot.attitude.pitch_rad = {number(-1.5), 0.02, 1};
+    const auto alone = refine_shot(shot.lines, testing::thesis_camera(), field, shot.attitude);
+    if (alone.ok()) {
+      EXPECT_TRUE(alone->height_above_canopy_m.usable());
+      EXPECT_GT(alone->height_above_canopy_m.value, 0.0);
+    } else {
+      EXPECT_FALSE(alone.error().code.empty());
+    }
+    shots.push_back(shot);
+  }
+  const auto flight = refine_flight(shots, testing::thesis_camera(), field);
+  if (!flight.ok()) return;
+  for (const RefinedShot& shot : flight->shots)
+    EXPECT_TRUE(!shot.usable || shot.height_above_canopy_m.usable());
+}
+
 TEST(RefineFlight, SameBytesWhateverTheThreads) {
   base::Random random(9);
   const TestFlight flight = fly(6, {}, kNoise, random);
