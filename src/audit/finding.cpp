@@ -105,6 +105,19 @@ Finding pitch_bias(const std::vector<ShotRecord>& records, const Limits& limits)
       std::to_string(result.pairs) + " shots; log minus rows");
 }
 
+Finding trust(const calib::Verdict& verdict) {
+  std::string evidence;
+  for (const calib::Criterion& criterion : verdict.criteria) {
+    if (!criterion.met) evidence += (evidence.empty() ? "" : " ") + criterion.sentence;
+  }
+  for (const std::string& next : verdict.next_pictures) evidence += (evidence.empty() ? "" : " ") + next;
+  std::size_t met = 0;
+  for (const calib::Criterion& criterion : verdict.criteria) met += criterion.met ? 1 : 0;
+  return judged("calibration.trust", "Whether the calibration can be trusted with a height", verdict.trusted,
+                std::to_string(met) + " of " + std::to_string(verdict.criteria.size()) + " conditions met",
+                "all of them", verdict.summary + (evidence.empty() ? "" : " " + evidence));
+}
+
 }  // namespace
 
 Finding assess_focal(double focal_px, int width_px, double focal_length_35mm_mm, const Limits& limits) {
@@ -127,7 +140,8 @@ Finding assess_focal(double focal_px, int width_px, double focal_length_35mm_mm,
           " %. A calibration in another mode, zoom or crop than the shots moves every height by its share.");
 }
 
-std::vector<Finding> assess_calibration(const calib::Calibration& calibration, const Limits& limits) {
+std::vector<Finding> assess_calibration(const calib::Calibration& calibration, const calib::Verdict& verdict,
+                                        const Limits& limits) {
   std::size_t used = 0;
   std::string unused;
   for (const calib::View& view : calibration.views) {
@@ -144,7 +158,8 @@ std::vector<Finding> assess_calibration(const calib::Calibration& calibration, c
                  format_fixed(calibration.rms_px, 3) + " px RMS, mean " +
                      format_fixed(calibration.mean_error_px, 3) + " px",
                  "at most " + format_fixed(limits.calibration_rms_px, 2) + " px RMS",
-                 views + (unused.empty() ? "" : "; " + unused))};
+                 views + (unused.empty() ? "" : "; " + unused)),
+          trust(verdict)};
 }
 
 std::vector<Finding> assess_shots(const std::vector<ShotRecord>& records, double row_height_m,

@@ -8,19 +8,30 @@
 
 namespace furrow::project {
 
-Status write_calibration(const std::filesystem::path& out, const calib::Calibration& calibration) {
-  FURROW_DO(base::write_file(out / "camera.cameramodel", camera::to_mrcal_cameramodel(calibration.camera)));
-  FURROW_DO(base::write_file(out / "camera.yaml", camera::to_opencv_yaml(calibration.camera)));
-  return base::write_file(out / "calibration.json", calib::to_json(calibration));
+Status write_calibration(const std::filesystem::path& out, const JudgedCalibration& judged) {
+  FURROW_DO(
+      base::write_file(out / "camera.cameramodel", camera::to_mrcal_cameramodel(judged.calibration.camera)));
+  FURROW_DO(base::write_file(out / "camera.yaml", camera::to_opencv_yaml(judged.calibration.camera)));
+  FURROW_DO(base::write_file(out / "calibration.json", calib::to_json(judged.calibration)));
+  return base::write_file(out / "verdict.json", calib::to_json(judged.verdict));
 }
 
-Result<calib::Calibration> calibrate_from_pictures(const std::vector<std::filesystem::path>& images,
-                                                   const std::filesystem::path& board_file,
-                                                   const calib::CalibrateOptions& options,
-                                                   const JobOptions& job) {
+Result<JudgedCalibration> calibrate_from_pictures(const std::vector<std::filesystem::path>& images,
+                                                  const std::filesystem::path& board_file,
+                                                  const calib::CalibrateOptions& options,
+                                                  const JobOptions& job) {
   FURROW_TRY(const target::BoardSpec board, target::read_board(board_file));
   const auto detections = target::detect_boards(images, board, {}, job.threads, job.progress);
-  return calib::calibrate(detections, board, options);
+  auto calibration = calib::calibrate(detections, board, options);
+  if (!calibration.ok()) {
+    Error error = calibration.error();
+    if (error.code == "too_few_boards" && error.hint.empty()) {
+      error.hint = target::explain_board(board, target::guess_boards(images, {}, job.threads));
+    }
+    return error;
+  }
+  calib::Verdict verdict = calib::judge(*calibration, detections, options);
+  return JudgedCalibration{std::move(*calibration), std::move(verdict)};
 }
 
 Result<CalibrateOutcome> calibrate_job(const std::vector<std::filesystem::path>& images,
@@ -28,10 +39,11 @@ Result<CalibrateOutcome> calibrate_job(const std::vector<std::filesystem::path>&
                                        const calib::CalibrateOptions& options,
                                        const std::filesystem::path& out, const JobOptions& job) {
   CalibrateOutcome outcome;
-  FURROW_TRY(outcome.calibration, calibrate_from_pictures(images, board_file, options, job));
-  outcome.findings = audit::assess_calibration(outcome.calibration);
-  FURROW_DO(write_calibration(out, outcome.calibration));
-  outcome.files = {"camera.cameramodel", "camera.yaml", "calibration.json", "report.html"};
+  FURROW_TRY(JudgedCalibration judged, calibrate_from_pictures(images, board_file, options, job));
+  outcome.findings = audit::assess_calibration(judged.calibration, judged.verdict);
+  FURROW_DO(write_calibration(out, judged));
+  outcome.calibration = std::move(judged.calibration);
+  outcome.files = {"camera.cameramodel", "camera.yaml", "calibration.json", "verdict.json", "report.html"};
   base::report(job.progress, "drawing", 0, 1);
   FURROW_TRY(auto made, calibration_figures(outcome.calibration));
   for (const auto& figure : made) FURROW_DO(figures::write_figure(out / "figures", figure));

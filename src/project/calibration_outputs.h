@@ -3,17 +3,25 @@
 #include <vector>
 
 #include "furrow/calib/calibrate.h"
+#include "furrow/calib/verdict.h"
 #include "furrow/project/jobs.h"
 
 namespace furrow::project {
 
-/// Board file and pictures -> camera.
-Result<calib::Calibration> calibrate_from_pictures(const std::vector<std::filesystem::path>& images,
-                                                   const std::filesystem::path& board_file,
-                                                   const calib::CalibrateOptions& options,
-                                                   const JobOptions& job);
+/// A camera and how far it can be trusted.
+struct JudgedCalibration {
+  calib::Calibration calibration;
+  calib::Verdict verdict;
+};
 
-/// camera.cameramodel, camera.yaml and calibration.json into `out`.
-Status write_calibration(const std::filesystem::path& out, const calib::Calibration& calibration);
+/// Board file and pictures -> camera. With too few boards found, the error says which board the pictures show
+/// instead.
+Result<JudgedCalibration> calibrate_from_pictures(const std::vector<std::filesystem::path>& images,
+                                                  const std::filesystem::path& board_file,
+                                                  const calib::CalibrateOptions& options,
+                                                  const JobOptions& job);
+
+/// camera.cameramodel, camera.yaml, calibration.json and verdict.json into `out`.
+Status write_calibration(const std::filesystem::path& out, const JudgedCalibration& judged);
 
 }  // namespace furrow::project

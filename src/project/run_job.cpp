@@ -30,7 +30,7 @@ constexpr std::size_t kReportOverlays = 4;
 /// The camera of a run and, when it was calibrated here, the calibration.
 struct RunCamera {
   Camera camera;
-  std::optional<calib::Calibration> calibration;
+  std::optional<JudgedCalibration> calibration;
 };
 
 Result<RunCamera> prepare_camera(const Project& project, const JobOptions& job) {
@@ -44,7 +44,8 @@ Result<RunCamera> prepare_camera(const Project& project, const JobOptions& job) 
   options.solve_aspect = project.calibrate_aspect;
   FURROW_TRY(result.calibration,
              calibrate_from_pictures(project.board_images, project.board_file, options, job));
-  result.camera = result.calibration->camera;
+  // What the halves of the views deny is not handed on as certain.
+  result.camera = calib::widened_camera(result.calibration->calibration, result.calibration->verdict);
   return result;
 }
 
@@ -338,13 +339,13 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
   FURROW_TRY(content.flight_figures, flight_figures(outcome.records, row_height_m));
   FURROW_TRY(content.overlays, overlays(tables.shots, tables.results));
   if (tables.camera.calibration) {
-    const calib::Calibration& calibration = *tables.camera.calibration;
+    const calib::Calibration& calibration = tables.camera.calibration->calibration;
     FURROW_TRY(auto made, calibration_figures(calibration));
-    const auto findings = audit::assess_calibration(calibration);
+    const auto findings = audit::assess_calibration(calibration, tables.camera.calibration->verdict);
     content.calibration.push_back(calibration_section(calibration, findings, std::move(made)));
     outcome.findings.insert(outcome.findings.end(), findings.begin(), findings.end());
     files.insert(files.end(), {"calibration/camera.cameramodel", "calibration/camera.yaml",
-                               "calibration/calibration.json"});
+                               "calibration/calibration.json", "calibration/verdict.json"});
     for (const auto& figure : content.calibration[0].figures) {
       FURROW_DO(figures::write_figure(out / "figures", figure));
       add_files_of(figure, files);

@@ -86,7 +86,7 @@ TEST(AssessCalibration, ListsUnusedPictures) {
   calibration.views[0].used = true;
   calibration.views[1].image = "b.jpg";
   calibration.views[1].reason = "no board found";
-  const Finding finding = assess_calibration(calibration)[0];
+  const Finding finding = assess_calibration(calibration, {})[0];
   EXPECT_EQ(finding.verdict, Verdict::fail);
   EXPECT_NE(finding.evidence.find("b.jpg (no board found)"), std::string::npos);
 }

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "furrow/audit/shot_record.h"
-#include "furrow/calib/calibrate.h"
+#include "furrow/calib/verdict.h"
 
 namespace furrow::audit {
 
@@ -27,17 +27,21 @@ struct Limits {
   double log_height_sigmas =
       3.0;  ///< mean difference of log and refined height, in its own sigma plus log_height_m
   double log_height_m = 0.5;    ///< what a barometric height is allowed to be off over a flight, m
-  double focal_share = 0.03;  ///< focal length outside the range of the metadata, as a share; lenses are named within a few percent
+  double focal_share = 0.03;    ///< focal length outside the range of the metadata, as a share; lenses are
+                                ///< named within a few percent
   double pitch_bias_deg = 1.5;  ///< mean of refined minus gimbal pitch
 };
 
-/// The focal length in use against the one that the pictures' metadata state (35 mm equivalent). The equivalent is by the diagonal
-/// (43.27 mm) of a sensor whose shape is not stated, so 4:3, 3:2 and 16:9 give a range; a camera outside it by more than the limit was
-/// calibrated in another mode, zoom or crop than the shots. Heights scale one to one with the focal length.
-/// `focal_px` at pictures of `width_px`; `focal_length_35mm_mm` NaN is not assessed.
+/// The focal length in use against the one that the pictures' metadata state (35 mm equivalent). The
+/// equivalent is by the diagonal (43.27 mm) of a sensor whose shape is not stated, so 4:3, 3:2 and 16:9 give
+/// a range; a camera outside it by more than the limit was calibrated in another mode, zoom or crop than the
+/// shots. Heights scale one to one with the focal length. `focal_px` at pictures of `width_px`;
+/// `focal_length_35mm_mm` NaN is not assessed.
 Finding assess_focal(double focal_px, int width_px, double focal_length_35mm_mm, const Limits& limits = {});
 
-std::vector<Finding> assess_calibration(const calib::Calibration& calibration, const Limits& limits = {});
+/// Reprojection error, and whether the calibration's own verdict trusts it.
+std::vector<Finding> assess_calibration(const calib::Calibration& calibration, const calib::Verdict& verdict,
+                                        const Limits& limits = {});
 
 /// `row_height_m` takes the canopy heights to the ground for the comparison with the log; NaN leaves that
 /// finding not assessed.

@@ -26,9 +26,9 @@ struct ShotRecord {
   Estimate above_canopy_spacing_m;  ///< closed form
   Estimate above_canopy_refined_m;
   Estimate above_ground_refined_m;
-  Estimate above_canopy_flight_m;      ///< refined with all shots of the flight at once
-  Estimate cross_track_m;      ///< camera left of the followed row
-  Estimate heading_error_deg;  ///< camera points left of the row direction
+  Estimate above_canopy_flight_m;  ///< refined with all shots of the flight at once
+  Estimate cross_track_m;          ///< camera left of the followed row
+  Estimate heading_error_deg;      ///< camera points left of the row direction
   int rows_used = 0;
   double rows_confidence = kMissing;
   std::string status;                      ///< "ok" or why there is no refined height
