@@ -41,14 +41,14 @@ base::CsvTable heights_table(const std::vector<audit::ShotRecord>& records, bool
     return std::isfinite(value) ? base::format_fixed(value, 2) : std::string("-");
   };
   base::CsvTable table;
-  table.columns = {"shot", "log m", "thesis m", "spacing m", "refined m", "sigma m", "flight m"};
+  table.columns = {"shot", "log m", "thesis m", "spacing m", "refined m", "sigma m", "shot alone m"};
   if (with_truth) table.columns.push_back("true m");
   table.columns.push_back("status");
   for (const auto& r : records) {
     auto& row = table.rows.emplace_back(std::vector<std::string>{
         r.shot_id, number(r.height_takeoff_m), number(r.above_canopy_thesis_m.value),
         number(r.above_canopy_spacing_m.value), number(r.above_canopy_refined_m.value),
-        number(r.above_canopy_refined_m.sigma), number(r.above_canopy_flight_m.value)});
+        number(r.above_canopy_refined_m.sigma), number(r.above_canopy_shot_m.value)});
     if (with_truth) row.push_back(number(r.truth_above_canopy_m));
     row.push_back(r.status);
   }

@@ -97,7 +97,7 @@ report::PageTable shot_table(const std::vector<audit::ShotRecord>& records) {
                          "above canopy, thesis / m",
                          "above canopy, spacing / m",
                          "above canopy, refined / m",
-                         "above canopy, whole flight / m",
+                         "above canopy, shot alone / m",
                          "above ground, refined / m",
                          "cross-track / m",
                          "heading error / deg",
@@ -108,7 +108,7 @@ report::PageTable shot_table(const std::vector<audit::ShotRecord>& records) {
         {r.shot_id, number(r.height_takeoff_m, 1), number(r.height_vps_m, 1), number(r.pitch_log_deg, 1),
          estimate(r.pitch_deg, 2), number(r.above_canopy_thesis_m.value, 2),
          estimate(r.above_canopy_spacing_m, 2), estimate(r.above_canopy_refined_m, 2),
-         estimate(r.above_canopy_flight_m, 2), estimate(r.above_ground_refined_m, 2),
+         estimate(r.above_canopy_shot_m, 2), estimate(r.above_ground_refined_m, 2),
          estimate(r.cross_track_m, 2), estimate(r.heading_error_deg, 2), std::to_string(r.rows_used),
          r.status == "ok" ? "ok" : r.status + ": " + r.reason});
   }

@@ -284,8 +284,8 @@ std::vector<TruthComparison> compare_with_truth(const std::vector<audit::ShotRec
   const std::vector<std::pair<std::string, Estimate audit::ShotRecord::*>> methods = {
       {"thesis formula", &audit::ShotRecord::above_canopy_thesis_m},
       {"row spacing, closed form", &audit::ShotRecord::above_canopy_spacing_m},
-      {"refined, shot by shot", &audit::ShotRecord::above_canopy_refined_m},
-      {"refined, whole flight", &audit::ShotRecord::above_canopy_flight_m}};
+      {"refined, each shot alone", &audit::ShotRecord::above_canopy_shot_m},
+      {"refined, whole flight", &audit::ShotRecord::above_canopy_refined_m}};
   std::vector<TruthComparison> lines;
   for (const auto& [name, field] : methods) {
     std::vector<double> estimates;
@@ -314,9 +314,9 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
   FURROW_TRY(RunTables tables, measure_flight(project, job));
   RunOutcome outcome;
   for (std::size_t i = 0; i < tables.results.size(); ++i) {
-    outcome.records.push_back(tables.results[i].record);
-    if (tables.flight.ok())
-      outcome.records.back().above_canopy_flight_m = tables.flight->shots[i].height_above_canopy_m;
+    const audit::ShotRecord& alone = tables.results[i].record;
+    const bool carried = tables.flight.ok() && tables.flight->shots[i].usable;
+    outcome.records.push_back(carried ? with_refined(alone, tables.flight->shots[i]) : alone);
   }
   const double row_height_m = project.field.row_height_m.value;
   outcome.findings = audit::assess_shots(outcome.records, row_height_m);

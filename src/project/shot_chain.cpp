@@ -84,17 +84,6 @@ void set_failure(audit::ShotRecord& record, const Error& error) {
   record.reason = error.message();
 }
 
-void set_refined(audit::ShotRecord& record, const altitude::RefinedShot& refined) {
-  record.pitch_deg = in_degrees(refined.pitch_rad);
-  record.above_canopy_refined_m = refined.height_above_canopy_m;
-  record.above_ground_refined_m = refined.height_above_ground_m;
-  record.cross_track_m = refined.cross_track_m;
-  record.heading_error_deg = in_degrees(refined.heading_rad);
-  record.rows_used = refined.rows_used;
-  record.status = refined.usable ? "ok" : "not_converged";
-  record.reason = refined.usable ? "" : refined.termination;
-}
-
 /// Rows -> three heights.
 void measure(ShotResult& result, const Camera& camera, const Project& project) {
   audit::ShotRecord& record = result.record;
@@ -113,13 +102,26 @@ void measure(ShotResult& result, const Camera& camera, const Project& project) {
   }
   const auto refined = altitude::refine_shot(result.lines, camera, project.field, result.prior);
   if (refined.ok()) {
-    set_refined(record, *refined);
+    record = with_refined(std::move(record), *refined);
+    record.above_canopy_shot_m = refined->height_above_canopy_m;
   } else {
     set_failure(record, refined.error());
   }
 }
 
 }  // namespace
+
+audit::ShotRecord with_refined(audit::ShotRecord record, const altitude::RefinedShot& refined) {
+  record.pitch_deg = in_degrees(refined.pitch_rad);
+  record.above_canopy_refined_m = refined.height_above_canopy_m;
+  record.above_ground_refined_m = refined.height_above_ground_m;
+  record.cross_track_m = refined.cross_track_m;
+  record.heading_error_deg = in_degrees(refined.heading_rad);
+  record.rows_used = refined.rows_used;
+  record.status = refined.usable ? "ok" : "not_converged";
+  record.reason = refined.usable ? "" : refined.termination;
+  return record;
+}
 
 ShotResult process_shot(const telemetry::Shot& shot, const sync::ShotPose& pose, const Camera& camera,
                         const Project& project) {

@@ -26,4 +26,7 @@ struct ShotResult {
 ShotResult process_shot(const telemetry::Shot& shot, const sync::ShotPose& pose, const Camera& camera,
                         const Project& project);
 
+/// The record with a refinement's height, attitude and offset in it.
+audit::ShotRecord with_refined(audit::ShotRecord record, const altitude::RefinedShot& refined);
+
 }  // namespace furrow::project

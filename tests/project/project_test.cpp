@@ -136,9 +136,9 @@ TEST(CompareWithTruth, FormsErrorsPerMethod) {
   const auto lines = compare_with_truth(records);
   ASSERT_EQ(lines.size(), 4U);
   EXPECT_EQ(lines[0].shots, 0);
-  EXPECT_EQ(lines[2].shots, 2);
-  EXPECT_NEAR(lines[2].mean_error_m, 0.05, 1e-12);
-  EXPECT_NEAR(lines[2].rmse_share, 0.05 / 1.41421356, 1e-8);
+  EXPECT_EQ(lines[3].shots, 2);
+  EXPECT_NEAR(lines[3].mean_error_m, 0.05, 1e-12);
+  EXPECT_NEAR(lines[3].rmse_share, 0.05 / 1.41421356, 1e-8);
   EXPECT_TRUE(compare_with_truth({{}}).empty());
 }
 

@@ -24,9 +24,10 @@ struct ShotRecord {
   Estimate pitch_deg;                  ///< refined
   Estimate above_canopy_thesis_m;   ///< thesis formula with the automatic half width; its sigma stays unknown
   Estimate above_canopy_spacing_m;  ///< closed form
+  /// Refined with all shots of the flight at once; from this shot alone where the flight could not carry it.
   Estimate above_canopy_refined_m;
   Estimate above_ground_refined_m;
-  Estimate above_canopy_flight_m;  ///< refined with all shots of the flight at once
+  Estimate above_canopy_shot_m;        ///< refined from this shot alone
   Estimate cross_track_m;          ///< camera left of the followed row
   Estimate heading_error_deg;      ///< camera points left of the row direction
   int rows_used = 0;

@@ -73,8 +73,8 @@ Result<RunOutcome> run_job(const Project& project, const std::filesystem::path& 
 
 /// How one way of measuring the height agrees with the truth of a simulated flight.
 struct TruthComparison {
-  std::string method;  ///< "thesis formula", "row spacing, closed form", "refined, shot by shot", "refined,
-                       ///< whole flight"
+  std::string method;  ///< "thesis formula", "row spacing, closed form", "refined, each shot alone",
+                       ///< "refined, whole flight"
   int shots = 0;
   double mean_error_m = 0.0, sd_error_m = 0.0, rmse_m = 0.0;
   double rmse_share = 0.0;  ///< RMS of error / true height above the canopy
