@@ -131,7 +131,9 @@ void Fields::read(const std::string& key, std::vector<std::string>& out, bool ne
 }
 
 Status Fields::finish() {
-  if (!error_ && value_.object() != nullptr) {
+  // A key nobody knows often explains another that is missing or at odds, so it is named first.
+  const bool stands_alone = error_ && error_->code == "wrong_kind";
+  if (!stands_alone && value_.object() != nullptr) {
     for (const auto& [key, member_value] : *value_.object()) {
       if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
       const auto nearest = nearest_name(key, known_);

@@ -76,6 +76,9 @@ Result<std::string> read_file(const fs::path& file, std::size_t limit_bytes) {
   if (!fs::exists(status)) return Error{"file_missing", file.string(), "there is no such file", "", ""};
   if (fs::is_directory(status))
     return Error{"file_unreadable", file.string(), "this is a folder", "a file", ""};
+  if (!fs::is_regular_file(status)) {  // a pipe could make the reader wait for ever
+    return Error{"file_unreadable", file.string(), "this is no regular file", "a file", ""};
+  }
   std::ifstream stream(file, std::ios::binary);
   if (!stream)
     return Error{"file_unreadable", file.string(), "cannot be opened: " + system_reason(errno), "", ""};

@@ -27,6 +27,7 @@ base::CsvTable comparison_table(const std::vector<project::TruthComparison>& lin
   table.columns = {"height above canopy", "shots",       "mean error m", "sd m", "RMSE m", "RMSE %",
                    "in 1 sigma %",        "in 2 sigma %"};
   for (const auto& line : lines) {
+    if (line.shots == 0) continue;
     table.rows.push_back({line.method, std::to_string(line.shots), base::format_fixed(line.mean_error_m, 3),
                           base::format_fixed(line.sd_error_m, 3), base::format_fixed(line.rmse_m, 3),
                           base::format_fixed(100.0 * line.rmse_share, 2), share(line.within_1_sigma),
@@ -91,6 +92,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 int print_run(const project::RunOutcome& outcome, bool json) {
+  for (const std::string& warning : outcome.warnings) std::fprintf(stderr, "%s\n", warning.c_str());
   if (json) {
     print_json(json_of(outcome));
     return print_findings(outcome.findings);

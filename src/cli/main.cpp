@@ -25,7 +25,12 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& problem) {
     return app.exit(problem) == 0 ? furrow::cli::kDone : furrow::cli::kBadInput;
   }
-  return action();
+  const int code = action();
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    std::fputs("furrow: standard output cannot be written (disk full, or its reader is gone)\n", stderr);
+    return furrow::cli::kBadInput;
+  }
+  return code;
 }
 
 }  // namespace

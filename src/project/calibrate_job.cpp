@@ -25,8 +25,10 @@ Result<JudgedCalibration> calibrate_from_pictures(const std::vector<std::filesys
   auto calibration = calib::calibrate(detections, board, options);
   if (!calibration.ok()) {
     Error error = calibration.error();
-    if (error.code == "too_few_boards" && error.hint.empty()) {
-      error.hint = target::explain_board(board, target::guess_boards(images, {}, job.threads));
+    if (error.code == "too_few_boards") {
+      const std::string better =
+          target::explain_board(board, target::guess_boards(images, {}, job.threads, job.progress));
+      if (!better.empty()) error.hint = better;
     }
     return error;
   }

@@ -70,6 +70,7 @@ report::PageTable truth_table(const std::vector<TruthComparison>& comparison) {
                          "truth within 1 sigma / %",
                          "within 2 sigma / %"};
   for (const TruthComparison& line : comparison) {
+    if (line.shots == 0) continue;
     table.cells.rows.push_back({line.method, std::to_string(line.shots), format_fixed(line.mean_error_m, 3),
                                 format_fixed(line.sd_error_m, 3), format_fixed(line.rmse_m, 3),
                                 format_fixed(100.0 * line.rmse_share, 2), share(line.within_1_sigma),

@@ -44,7 +44,8 @@ Value row_value(const rows::RowLine& row) {
   return value;
 }
 
-RowsOfImage failed(const std::string& image, const std::string& method, const Error& error) {
+RowsOfImage failed(const std::string& image, const std::string& method, Error error) {
+  error.where = image;  // outputs hold no absolute path
   RowsOfImage result;
   result.image = image;
   result.lines.method = method;

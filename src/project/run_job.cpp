@@ -60,8 +60,11 @@ std::vector<telemetry::Shot> read_shots(const Project& project, const JobOptions
     if (shot.ok()) {
       shots[i] = std::move(*shot);
     } else {
+      Error error = shot.error();
+      error.where = project.images[i].filename().string();  // outputs hold no absolute path
       shots[i].image = project.images[i];
-      shots[i].warnings.push_back(shot.error().message());
+      shots[i].shot_id = project.images[i].stem().string();
+      shots[i].warnings.push_back(error.message());
     }
     const std::lock_guard lock(mutex);
     base::report(job.progress, "reading metadata", ++done, shots.size());
@@ -82,22 +85,30 @@ std::vector<ShotResult> process_shots(const std::vector<telemetry::Shot>& shots,
   return results;
 }
 
-/// All shots at once. Nothing, with a reason, when the pictures differ in size or no shot can carry it.
+/// The size that most shots with rows have: a flight is refined with one camera.
+std::pair<int, int> common_size(const std::vector<ShotResult>& results) {
+  std::map<std::pair<int, int>, int> counts;
+  for (const ShotResult& result : results) {
+    if (result.camera && result.lines.ok()) ++counts[{result.camera->width, result.camera->height}];
+  }
+  const auto most = std::max_element(counts.begin(), counts.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == counts.end() ? std::pair{0, 0} : most->first;
+}
+
+/// All shots of the common size at once; the others go in without rows, so that places are kept.
 Result<altitude::RefinedFlight> refine_flight(const std::vector<ShotResult>& results, const Project& project,
                                               const JobOptions& job) {
+  const auto size = common_size(results);
   std::vector<altitude::ShotInput> inputs;
   const Camera* camera = nullptr;
   for (const ShotResult& result : results) {
-    inputs.push_back({result.record.shot_id, result.lines, result.prior, result.record.height_takeoff_m});
-    if (!result.camera) continue;
-    if (camera != nullptr &&
-        (camera->width != result.camera->width || camera->height != result.camera->height)) {
-      return Error{"picture_sizes_differ", project.name, "pictures of more than one size",
-                   "one size for a flight as a whole", ""};
-    }
-    camera = &*result.camera;
+    const bool fits = result.camera && std::pair{result.camera->width, result.camera->height} == size;
+    inputs.push_back({result.record.shot_id, fits ? result.lines : rows::RowLines{}, result.prior,
+                      result.record.height_takeoff_m});
+    if (fits) camera = &*result.camera;
   }
-  if (camera == nullptr) return Error{"no_usable_shot", project.name, "no shot could be measured", "", ""};
+  if (camera == nullptr) return Error{"no_usable_shot", project.name, "no shot has rows", "", ""};
   altitude::FlightOptions options;
   options.threads = job.threads;
   base::report(job.progress, "refining the flight", 0, 1);
@@ -118,9 +129,17 @@ Status join_truth(std::vector<audit::ShotRecord>& records, const fs::path& truth
   std::map<std::string, double> heights;
   for (const auto& row : table.rows)
     heights[row[*id]] = base::parse_double(row[*height]).value_or(std::nan(""));
+  std::size_t matched = 0;
   for (audit::ShotRecord& record : records) {
-    if (const auto found = heights.find(record.shot_id); found != heights.end())
-      record.truth_above_canopy_m = found->second;
+    const auto found = heights.find(record.shot_id);
+    if (found == heights.end()) continue;
+    record.truth_above_canopy_m = found->second;
+    ++matched;
+  }
+  if (matched == 0 && !records.empty()) {
+    return Error{"truth_without_shots", table.source,
+                 "none of its shot_ids is a shot of this flight (first shot: " + records[0].shot_id + ")",
+                 "the truth.csv of this flight", ""};
   }
   return Done{};
 }
@@ -240,11 +259,11 @@ struct RunTables {
 
 Result<RunTables> measure_flight(const Project& project, const JobOptions& job) {
   RunTables tables;
-  FURROW_TRY(tables.camera, prepare_camera(project, job));
-  tables.shots = read_shots(project, job);
-  if (project.telemetry) {
+  if (project.telemetry) {  // first: a log that cannot be read should not cost a calibration
     FURROW_TRY(tables.track, telemetry::read_track(*project.telemetry));
   }
+  FURROW_TRY(tables.camera, prepare_camera(project, job));
+  tables.shots = read_shots(project, job);
   FURROW_TRY(tables.located, sync::locate_shots(tables.shots, tables.track));
   tables.results = process_shots(tables.shots, tables.located, tables.camera.camera, project, job);
   tables.flight = refine_flight(tables.results, project, job);
@@ -293,13 +312,14 @@ std::vector<TruthComparison> compare_with_truth(const std::vector<audit::ShotRec
     std::vector<double> shares;
     std::vector<Estimate> all;
     for (const audit::ShotRecord& record : records) {
-      if (!std::isfinite(record.truth_above_canopy_m)) continue;
+      const bool of_flight = field == &audit::ShotRecord::above_canopy_refined_m;
+      if (!std::isfinite(record.truth_above_canopy_m) || (of_flight && !record.refined_in_flight)) continue;
       all.push_back(record.*field);
       estimates.push_back((record.*field).value);
       truths.push_back(record.truth_above_canopy_m);
       shares.push_back((record.*field).value / record.truth_above_canopy_m);
     }
-    if (truths.empty()) continue;
+    if (truths.empty()) continue;  // nothing to say of this method
     const std::vector<double> ones(shares.size(), 1.0);
     const stats::Agreement result = stats::agreement(estimates, truths);
     const stats::Coverage coverage = stats::coverage(all, truths);
@@ -311,12 +331,18 @@ std::vector<TruthComparison> compare_with_truth(const std::vector<audit::ShotRec
 
 Result<RunOutcome> run_job(const Project& project, const fs::path& out, const JobOptions& job,
                            const std::optional<fs::path>& truth) {
+  if (truth) FURROW_DO(base::read_csv(*truth));  // named before the work, joined after it
   FURROW_TRY(RunTables tables, measure_flight(project, job));
   RunOutcome outcome;
   for (std::size_t i = 0; i < tables.results.size(); ++i) {
     const audit::ShotRecord& alone = tables.results[i].record;
     const bool carried = tables.flight.ok() && tables.flight->shots[i].usable;
     outcome.records.push_back(carried ? with_refined(alone, tables.flight->shots[i]) : alone);
+    outcome.records.back().refined_in_flight = carried;
+  }
+  if (!tables.flight.ok()) {
+    outcome.warnings.push_back("Each shot was refined alone, the flight not as a whole: " +
+                               tables.flight.error().message());
   }
   const double row_height_m = project.field.row_height_m.value;
   outcome.findings = audit::assess_shots(outcome.records, row_height_m);

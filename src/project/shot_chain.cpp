@@ -84,6 +84,15 @@ void set_failure(audit::ShotRecord& record, const Error& error) {
   record.reason = error.message();
 }
 
+/// A picture that could not be looked at. It is named without its folder: outputs hold no absolute path.
+void set_unseen(ShotResult& result, Error error, const Project& project) {
+  error.where = result.record.image;
+  set_failure(result.record, error);
+  result.lines.method = project.rows_method == rows::Method::thesis ? "thesis" : "field";
+  result.lines.status = result.record.status;
+  result.lines.reason = result.record.reason;
+}
+
 /// Rows -> three heights.
 void measure(ShotResult& result, const Camera& camera, const Project& project) {
   audit::ShotRecord& record = result.record;
@@ -129,12 +138,12 @@ ShotResult process_shot(const telemetry::Shot& shot, const sync::ShotPose& pose,
   result.record = record_of(shot, pose);
   const auto picture = image::read_image(shot.image);
   if (!picture.ok()) {
-    set_failure(result.record, picture.error());
+    set_unseen(result, picture.error(), project);
     return result;
   }
   auto carried = camera::carry_camera(camera, picture->width, picture->height);
   if (!carried.ok()) {
-    set_failure(result.record, carried.error());
+    set_unseen(result, carried.error(), project);
     return result;
   }
   result.camera = std::move(*carried);

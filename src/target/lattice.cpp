@@ -260,7 +260,7 @@ bool trim_once(Lattice& lattice) {
   return false;
 }
 
-/// Adds the line of corners beyond one side when every one of them has a saddle.
+/// Adds the line of corners beyond one side when every one of them has a saddle; whether it added any.
 bool extend(Lattice& lattice, const std::vector<Saddle>& saddles, int di, int dj) {
   const Extent e = extent(lattice);
   const int count = di != 0 ? e.rows : e.columns;
@@ -274,7 +274,7 @@ bool extend(Lattice& lattice, const std::vector<Saddle>& saddles, int di, int dj
     added[{i, j}] = *px;
   }
   lattice.insert(added.begin(), added.end());
-  return true;
+  return !added.empty();
 }
 
 /// How far a corner lies from the middle between its neighbours, as a share of their distance; 0 where it has

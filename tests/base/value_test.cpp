@@ -59,6 +59,15 @@ TEST(Fields, ReadsAndRefusesUnknownKeys) {
             "p.yaml:2: unknown key 'heigth_m' in 'rows'; wanted 'height_m' perhaps.");
 }
 
+TEST(Fields, NamesTheSlipBeforeWhatItLeavesMissing) {
+  const auto value = parse_yaml("square_mm: 38\n", "b.yaml");
+  double square_m = 0.0;
+  Fields fields(*value, "b.yaml", "");
+  fields.required("square_m", square_m);
+  EXPECT_EQ(fields.finish().error().message(),
+            "b.yaml:1: unknown key 'square_mm'; wanted 'square_m' perhaps.");
+}
+
 TEST(Fields, NamesWrongKindsAndMissingKeys) {
   const auto value = parse_yaml("\na: x\n", "p.yaml");
   double a = 0.0;
@@ -66,6 +75,8 @@ TEST(Fields, NamesWrongKindsAndMissingKeys) {
   wrong.required("a", a);
   EXPECT_EQ(wrong.finish().error().message(), "p.yaml:2: a is 'x'; wanted a number.");
   Fields missing(*value, "p.yaml", "rows");
+  std::string text;
+  missing.optional("a", text);
   missing.required("b", a);
   EXPECT_EQ(missing.finish().error().code, "missing_key");
 }

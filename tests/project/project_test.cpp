@@ -133,6 +133,7 @@ TEST(CompareWithTruth, FormsErrorsPerMethod) {
   records[0].above_canopy_refined_m = {2.1, 0.1, 5};
   records[1].truth_above_canopy_m = 4.0;
   records[1].above_canopy_refined_m = {4.0, 0.1, 5};
+  for (auto& record : records) record.refined_in_flight = true;
   const auto lines = compare_with_truth(records);
   ASSERT_EQ(lines.size(), 4U);
   EXPECT_EQ(lines[0].shots, 0);

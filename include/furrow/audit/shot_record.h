@@ -26,10 +26,11 @@ struct ShotRecord {
   Estimate above_canopy_spacing_m;  ///< closed form
   /// Refined with all shots of the flight at once; from this shot alone where the flight could not carry it.
   Estimate above_canopy_refined_m;
+  bool refined_in_flight = false;  ///< whether the flight carried it
   Estimate above_ground_refined_m;
-  Estimate above_canopy_shot_m;        ///< refined from this shot alone
-  Estimate cross_track_m;          ///< camera left of the followed row
-  Estimate heading_error_deg;      ///< camera points left of the row direction
+  Estimate above_canopy_shot_m;  ///< refined from this shot alone
+  Estimate cross_track_m;        ///< camera left of the followed row
+  Estimate heading_error_deg;    ///< camera points left of the row direction
   int rows_used = 0;
   double rows_confidence = kMissing;
   std::string status;                      ///< "ok" or why there is no refined height

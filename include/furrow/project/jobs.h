@@ -62,6 +62,7 @@ struct RunOutcome {
   std::vector<audit::ShotRecord> records;
   std::vector<audit::Finding> findings;
   std::filesystem::path report;
+  std::vector<std::string> warnings;  ///< what a person should know beside the findings, one sentence each
 };
 
 /// A project -> shots.csv, rows.json, report.html, figures/, manifest.json (and calibration/ when it
