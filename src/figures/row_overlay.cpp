@@ -7,6 +7,7 @@
 #include "figures/plot.h"
 #include "furrow/base/text.h"
 #include "furrow/figures/figures.h"
+#include "furrow/figures/pictures.h"
 
 namespace furrow::figures {
 namespace {
@@ -167,7 +168,94 @@ base::CsvTable rows_table(const rows::RowLines& lines) {
   return table;
 }
 
+/// Where an axis of the fitted field runs, or its edges, through the whole bird's-eye view.
+void draw_fitted(Drawing& drawing, const Place& place, const Frame& frame, double left_m, Colour colour,
+                 double width_pt, const Dash& dash) {
+  draw_rimmed(drawing, place, {frame.map(left_m, frame.y.low), frame.map(left_m, frame.y.high)}, colour,
+              width_pt, dash);
+}
+
+/// Every row of the fitted field that the view holds, row 0 on top.
+void draw_field(Drawing& drawing, const Place& place, const Frame& frame, const altitude::BirdsEye& view) {
+  const double left = frame.x.low, right = frame.x.high;  // the axis is flipped: left is the higher value
+  const int first = static_cast<int>(std::ceil((-view.cross_track_m - left) / view.spacing_m));
+  const int last = static_cast<int>(std::floor((-view.cross_track_m - right) / view.spacing_m));
+  for (int k = first; k <= last; ++k) {
+    const double axis = -view.cross_track_m - k * view.spacing_m;
+    for (const double side : {-1.0, 1.0}) {
+      draw_fitted(drawing, place, frame, axis + side * view.half_width_m, kEdge, 0.6, {3.0, 2.0});
+    }
+    draw_fitted(drawing, place, frame, axis, k == 0 ? kFollowed : kNeighbour, k == 0 ? 1.6 : 1.1, {});
+  }
+}
+
+void draw_found(Drawing& drawing, const Frame& frame, const std::vector<Eigen::Vector2d>& points_m,
+                Colour colour, double size_pt) {
+  for (const Eigen::Vector2d& point : points_m) {
+    const Point at = frame.map(point.y(), point.x());
+    if ((at.array() < frame.top_left.array()).any() || (at.array() > frame.bottom_right.array()).any())
+      continue;
+    add_marker(drawing, Marker::circle, at, size_pt + 0.8, kRim);
+    add_marker(drawing, Marker::circle, at, size_pt, colour);
+  }
+}
+
+base::CsvTable ground_table(const altitude::BirdsEye& view) {
+  base::CsvTable table;
+  table.columns = {"row_index", "line", "ahead_m", "left_m"};
+  for (const altitude::GroundRow& row : view.rows) {
+    const std::pair<const char*, const std::vector<Eigen::Vector2d>*> lines[] = {
+        {"centre", &row.centre_m}, {"left edge", &row.left_m}, {"right edge", &row.right_m}};
+    for (const auto& [name, points] : lines) {
+      for (const Eigen::Vector2d& point : *points)
+        table.rows.push_back({std::to_string(row.index), name, cell(point.x(), 3), cell(point.y(), 3)});
+    }
+  }
+  return table;
+}
+
 }  // namespace
+
+Result<Figure> birds_eye(const altitude::BirdsEye& view, const std::string& shot_id,
+                         const FigureOptions& options) {
+  const std::string name = "birds_eye_" + file_stem(shot_id);
+  if (view.picture.empty() || !(view.px_per_m > 0.0)) {
+    return nothing_to_draw(name, "an empty view", "a refined shot's view from above");
+  }
+  const double wide_m = view.picture.width / view.px_per_m, long_m = view.picture.height / view.px_per_m;
+  FURROW_TRY(Drawing drawing, paper(options, 1.0));
+  const double inner = drawing.width_pt - 2 * kMarginPt;
+  LegendEntry axis{"fitted rows", kNeighbour, 1.1}, followed{"followed row (0)", kFollowed, 1.6},
+      edges{"fitted edges", kMidGrey, 0.6, {3.0, 2.0}}, found{"edges as found", kVermillion};
+  found.marker = Marker::circle;
+  drawing.height_pt = 1.0;
+  const double legend_pt =
+      draw_legend(drawing, {kMarginPt, kMarginPt}, inner, {followed, axis, edges, found});
+  Axis x = axis_over("left of the camera / m", {view.left_m - wide_m, view.left_m}, 8);
+  Axis y = axis_over("ahead of the camera / m", {view.ahead_m - long_m, view.ahead_m}, 6);
+  x.low = view.left_m - wide_m, x.high = view.left_m;
+  y.low = view.ahead_m - long_m, y.high = view.ahead_m;
+  constexpr double kAxesPt = 40.0, kTallestShare = 1.2;
+  const double scale = std::min(inner - kAxesPt, kTallestShare * inner * wide_m / long_m) / wide_m;
+  drawing.height_pt = legend_pt + kMarginPt + scale * long_m + kAxesPt;
+  const Frame frame =
+      draw_axes(drawing, {kMarginPt, kMarginPt + legend_pt},
+                {kMarginPt + kAxesPt + scale * wide_m, drawing.height_pt - kMarginPt}, flipped(x), y);
+  const Point size = frame.bottom_right - frame.top_left;
+  drawing.pictures.push_back({view.picture, frame.top_left, size.x(), size.y(), false});
+  const Place place{frame.top_left, frame.bottom_right, size.x() / view.picture.width};
+  draw_field(drawing, place, frame, view);
+  for (const altitude::GroundRow& row : view.rows) {
+    draw_found(drawing, frame, row.left_m, kVermillion, 1.6);
+    draw_found(drawing, frame, row.right_m, kVermillion, 1.6);
+  }
+  const std::string caption =
+      shot_id + " from straight above the plane of the row tops, with the refined field (spacing " +
+      cell(view.spacing_m, 2) +
+      " m) and the edges as found. Only what lies in that plane is true to scale: "
+      "soil and walls lean away from the camera.";
+  return finish(name, caption, drawing, ground_table(view), options);
+}
 
 Result<Figure> row_overlay(const Image& picture, const rows::RowLines& lines, const std::string& shot_id,
                            const FigureOptions& options) {

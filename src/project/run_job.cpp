@@ -3,6 +3,7 @@
 #include <map>
 #include <mutex>
 
+#include "furrow/altitude/birds_eye.h"
 #include "furrow/altitude/flight.h"
 #include "furrow/base/file.h"
 #include "furrow/base/parallel.h"
@@ -10,6 +11,7 @@
 #include "furrow/camera/model_files.h"
 #include "furrow/figures/comparison.h"
 #include "furrow/figures/figures.h"
+#include "furrow/figures/pictures.h"
 #include "furrow/image/image.h"
 #include "furrow/project/jobs.h"
 #include "furrow/report/page.h"
@@ -157,13 +159,25 @@ std::vector<std::size_t> shots_to_show(const std::vector<ShotResult>& results) {
   return chosen;
 }
 
+/// From straight above, for a shot that the flight's refinement holds.
+Status add_birds_eye(std::vector<figures::Figure>& made, const Image& picture, const ShotResult& result,
+                     const altitude::RefinedShot& shot) {
+  const auto view = altitude::birds_eye(picture, result.lines, *result.camera, shot);
+  if (!view.ok()) return view.error().code == "no_ground" ? Status(Done{}) : view.error();
+  FURROW_TRY(made.emplace_back(), figures::birds_eye(*view, result.record.shot_id));
+  return Done{};
+}
+
 Result<std::vector<figures::Figure>> overlays(const std::vector<telemetry::Shot>& shots,
-                                              const std::vector<ShotResult>& results) {
+                                              const std::vector<ShotResult>& results,
+                                              const Result<altitude::RefinedFlight>& flight) {
   std::vector<figures::Figure> made;
   for (const std::size_t i : shots_to_show(results)) {
     FURROW_TRY(const Image picture, image::read_image(shots[i].image));
     FURROW_TRY(made.emplace_back(),
                figures::row_overlay(picture, results[i].lines, results[i].record.shot_id));
+    if (flight.ok() && flight->shots[i].usable)
+      FURROW_DO(add_birds_eye(made, picture, results[i], flight->shots[i]));
   }
   return made;
 }
@@ -363,7 +377,7 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
                      {},
                      {}};
   FURROW_TRY(content.flight_figures, flight_figures(outcome.records, row_height_m));
-  FURROW_TRY(content.overlays, overlays(tables.shots, tables.results));
+  FURROW_TRY(content.overlays, overlays(tables.shots, tables.results, tables.flight));
   if (tables.camera.calibration) {
     const calib::Calibration& calibration = tables.camera.calibration->calibration;
     FURROW_TRY(auto made, calibration_figures(calibration));

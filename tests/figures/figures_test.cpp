@@ -54,6 +54,8 @@ std::vector<Case> all_figures() {
        [=](const auto& o) { return error_histogram(heights_against_truth(records), o); }},
       {"heights_by_leg", [=](const auto& o) { return heights_by_leg(records, 1.7, o); }},
       {"residual_map", [=](const auto& o) { return residual_map(calibration, o); }},
+      {"birds_eye_shot-1003",
+       [=](const auto& o) { return birds_eye(samples::from_above(), "shot-1003", o); }},
       {"following_shot-1003",
        [=](const auto& o) {
          return following_overlay(field.picture, {38.0, 22.0}, "shot-1003", o);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "furrow/altitude/birds_eye.h"
 #include "furrow/audit/shot_record.h"
 #include "furrow/base/random.h"
 #include "furrow/calib/calibrate.h"
@@ -159,6 +160,24 @@ inline FieldPicture field(int width = 1280, int height = 720, double horizon_v =
     made.lines.rows.push_back(row);
   }
   return made;
+}
+
+/// Twelve by twenty metres of striped ground with the camera at the near border.
+inline altitude::BirdsEye from_above() {
+  altitude::BirdsEye view;
+  view.px_per_m = 20.0;
+  view.picture = image::make_image(240, 400, 3);
+  for (std::size_t i = 0; i < view.picture.data.size(); ++i)
+    view.picture.data[i] = static_cast<std::uint8_t>(60 + i / 3 % 240 % 60 * 2);
+  view.ahead_m = 21.0;
+  view.left_m = 6.0;
+  view.spacing_m = 3.0;
+  view.half_width_m = 0.6;
+  view.cross_track_m = 0.3;
+  altitude::GroundRow row;
+  for (int i = 0; i < 20; ++i) row.left_m.push_back({20.0 - i, 0.3 + 0.02 * (i % 5)});
+  view.rows.push_back(row);
+  return view;
 }
 
 }  // namespace furrow::samples

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "furrow/altitude/birds_eye.h"
 #include "furrow/figures/figures.h"
 #include "furrow/image/image.h"
 
@@ -29,6 +30,11 @@ struct FollowingView {
 /// (blue), each also with its own dash and a mark at its foot. Errors: nothing_to_draw (empty picture).
 Result<Figure> following_overlay(const Image& picture, const FollowingView& view, const std::string& shot_id,
                                  const FigureOptions& options = {});
+
+/// A shot from straight above with the fitted field (axes and edges at their places) and the rows as found,
+/// on axes of metres from the camera's foot. Errors: nothing_to_draw (empty view).
+Result<Figure> birds_eye(const altitude::BirdsEye& view, const std::string& shot_id,
+                         const FigureOptions& options = {});
 
 /// Every corner's residual (observed - projected) as an arrow from its place in the picture, enlarged by a
 /// stated factor: a pattern here is what the lens model leaves over. Errors: nothing_to_draw (no used view).
