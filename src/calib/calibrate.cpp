@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <Eigen/Dense>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -23,20 +24,30 @@ bool all_finite(const std::vector<Eigen::Vector2d>& points) {
   return std::all_of(points.begin(), points.end(), [](const Eigen::Vector2d& p) { return p.allFinite(); });
 }
 
+/// Rising, and each one of the board's corners.
+bool are_ids(const std::vector<int>& ids, std::size_t corners) {
+  return ids.empty() || (ids.front() >= 0 && static_cast<std::size_t>(ids.back()) < corners &&
+                         std::adjacent_find(ids.begin(), ids.end(), std::greater_equal<>()) == ids.end());
+}
+
 View start_view(const target::BoardDetection& detection, const target::BoardSpec& board) {
   View view;
   view.image = detection.image;
   view.rms_px = view.mean_error_px = kNan;
-  const auto wanted = static_cast<std::size_t>(board.corners_x) * static_cast<std::size_t>(board.corners_y);
+  const auto all = static_cast<std::size_t>(board.corners_x) * static_cast<std::size_t>(board.corners_y);
+  const auto wanted = detection.corner_ids.empty() ? all : detection.corner_ids.size();
   if (!detection.found) {
     view.reason = detection.reason.empty() ? "no board found" : detection.reason;
   } else if (detection.corners_px.size() != wanted) {
     view.reason = std::to_string(detection.corners_px.size()) + " corners, not " + std::to_string(wanted);
   } else if (!all_finite(detection.corners_px)) {
     view.reason = "corners that are not finite";
+  } else if (!are_ids(detection.corner_ids, all)) {
+    view.reason = "corners that are not the board's";
   } else {
     view.used = true;
     view.observed_px = detection.corners_px;
+    view.corner_ids = detection.corner_ids;
   }
   return view;
 }
@@ -104,7 +115,7 @@ std::vector<SolveView> solve_views(const Job& job, const std::vector<std::size_t
   std::vector<SolveView> out;
   for (std::size_t i = 0; i < order.size(); ++i) {
     const target::BoardDetection& detection = job.detections[order[i]];
-    SolveView view{detection.corners_px, {}, pose_vector(start.cam_from_board[i])};
+    SolveView view{{detection.corner_ids, detection.corners_px}, {}, pose_vector(start.cam_from_board[i])};
     if (job.options.use_corner_sigma && detection.sigma_px.size() == detection.corners_px.size()) {
       view.weight = weights(detection, sigma_px);
     }
@@ -127,8 +138,9 @@ Error solve_failed(const std::string& why) {
 /// finds false minima.
 Result<Round> solve_round(const Job& job, const std::vector<std::size_t>& order,
                           const std::vector<View>& views) {
-  std::vector<std::vector<Eigen::Vector2d>> corners;
-  for (const std::size_t i : order) corners.push_back(job.detections[i].corners_px);
+  std::vector<SeenCorners> corners;
+  for (const std::size_t i : order)
+    corners.push_back({job.detections[i].corner_ids, job.detections[i].corners_px});
   const std::optional<Start> start = find_start(corners, job.board, job.width, job.height);
   if (!start) return solve_failed("a board whose corners allow no pose (all in a line, or in one point)");
   Round round;
@@ -174,7 +186,7 @@ void fill_view(const Round& round, std::size_t i, View& view) {
   view.residual_px.clear();
   double squared = 0.0, distance = 0.0, n = 0.0;
   for (std::size_t c = 0; c < view.observed_px.size(); ++c) {
-    const int x = static_cast<int>(c) % board.corners_x, y = static_cast<int>(c) / board.corners_x;
+    const int id = corner_id(view.corner_ids, c), x = id % board.corners_x, y = id / board.corners_x;
     const auto px = camera::project(camera, view.cam_from_board * warped_corner(board, warp_m, x, y));
     const Eigen::Vector2d residual =
         px ? Eigen::Vector2d(view.observed_px[c] - *px) : Eigen::Vector2d::Constant(kNan);

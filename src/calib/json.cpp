@@ -54,6 +54,7 @@ Value view_entry(const View& view) {
   pose.set("rotation_vector_rad", numbers(Eigen::VectorXd(rotation)));
   pose.set("translation_m", numbers(Eigen::VectorXd(translation)));
   out.set("cam_from_board", pose);
+  if (!view.corner_ids.empty()) out.set("corner_ids", Array(view.corner_ids.begin(), view.corner_ids.end()));
   out.set("observed_px", points(view.observed_px));
   out.set("residual_px", points(view.residual_px));
   Array left_out;

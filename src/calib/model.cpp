@@ -23,10 +23,12 @@ Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& v) {
          (angle - std::sin(angle)) / (a2 * angle) * x * x;
 }
 
-/// 1 - x^2 for corner `i` of `count`, x from -1 to 1: the parabola's height over its chord.
-double bend(int i, int count) {
-  const double x = 2.0 * i / (count - 1) - 1.0;
-  return 1.0 - x * x;
+/// 1 - x^2 and 1 - y^2 with x, y from -1 to 1 across the corners: the parabolas' heights over their chords.
+Eigen::Vector2d bends(const target::BoardSpec& board, int i, int j) {
+  const Eigen::Vector2d own = target::corner_in_board(board, i, j).head<2>(),
+                        last = target::corner_in_board(board, board.corners_x - 1, board.corners_y - 1)
+                                   .head<2>();
+  return 1.0 - (2.0 * own.array() / last.array() - 1.0).square();
 }
 
 }  // namespace
@@ -101,8 +103,9 @@ Rigid3 pose_of(const PoseVector& pose) {
 }
 
 Eigen::Vector3d warped_corner(const target::BoardSpec& board, const Eigen::Vector2d& warp_m, int i, int j) {
-  return {i * board.square_m, j * board.square_m * board.aspect,
-          warp_m.x() * bend(i, board.corners_x) + warp_m.y() * bend(j, board.corners_y)};
+  Eigen::Vector3d out = target::corner_in_board(board, i, j);
+  out.z() = warp_m.dot(bends(board, i, j));
+  return out;
 }
 
 Eigen::Matrix<double, 6, 6> drift_of_pose(const PoseVector& pose) {
@@ -118,40 +121,36 @@ Eigen::Matrix<double, 6, 6> drift_of_pose(const PoseVector& pose) {
 }
 
 bool evaluate_view(const SharedModel& model, const Eigen::VectorXd& shared, const PoseVector& pose,
-                   const std::vector<Eigen::Vector2d>& observed_px, const std::vector<double>& weight,
-                   double* residual, double* d_shared, double* d_pose) {
+                   const SeenCorners& seen, const std::vector<double>& weight, double* residual,
+                   double* d_shared, double* d_pose) {
   const Camera camera = camera_of(model, shared);
   const target::BoardSpec board = board_of(model, shared);
   const Eigen::Vector2d warp_m = warp_of(model, shared);
   const Eigen::Matrix3d rotation = geom::rotation_from_vector(pose.head<3>()).toRotationMatrix();
   const Eigen::Matrix3d turn = -rotation, jacobian = right_jacobian(pose.head<3>());
-  const auto rows = static_cast<Eigen::Index>(2 * observed_px.size());
+  const auto rows = static_cast<Eigen::Index>(2 * seen.px.size());
   const Eigen::Index n = model.intrinsics_count();
   Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, camera::kMaxIntrinsics + kBoardTerms> d_full(
       2, n + kBoardTerms);
-  for (int j = 0; j < board.corners_y; ++j) {
-    for (int i = 0; i < board.corners_x; ++i) {
-      const auto at = static_cast<std::size_t>(j * board.corners_x + i);
-      const auto row = static_cast<Eigen::Index>(2 * at);
-      const Eigen::Vector3d x_in_board = warped_corner(board, warp_m, i, j);
-      const auto seen = camera::project_with_jacobians(camera, rotation * x_in_board + pose.tail<3>());
-      if (!seen) return false;
-      const double w = weight.empty() ? 1.0 : weight[at];
-      Eigen::Map<Eigen::Vector2d>(residual + row) = w * (seen->px - observed_px[at]);
-      if (d_shared != nullptr) {
-        const Eigen::Matrix<double, 2, 3> d_board = seen->d_point * rotation;
-        d_full.leftCols(n) = seen->d_intrinsics;
-        d_full.col(n) = d_board.col(1) * (j * board.square_m);
-        d_full.col(n + 1) = d_board.col(2) * bend(i, board.corners_x);
-        d_full.col(n + 2) = d_board.col(2) * bend(j, board.corners_y);
-        Eigen::Map<RowMajor>(d_shared, rows, model.basis.cols()).middleRows<2>(row) =
-            w * d_full * model.basis;
-      }
-      if (d_pose != nullptr) {
-        auto block = Eigen::Map<RowMajor>(d_pose, rows, 6).middleRows<2>(row);
-        block.leftCols<3>() = w * seen->d_point * turn * cross_matrix(x_in_board) * jacobian;
-        block.rightCols<3>() = w * seen->d_point;
-      }
+  for (std::size_t c = 0; c < seen.px.size(); ++c) {
+    const int id = corner_id(seen.ids, c), i = id % board.corners_x, j = id / board.corners_x;
+    const auto row = static_cast<Eigen::Index>(2 * c);
+    const Eigen::Vector3d x_in_board = warped_corner(board, warp_m, i, j);
+    const auto projected = camera::project_with_jacobians(camera, rotation * x_in_board + pose.tail<3>());
+    if (!projected) return false;
+    const double w = weight.empty() ? 1.0 : weight[c];
+    Eigen::Map<Eigen::Vector2d>(residual + row) = w * (projected->px - seen.px[c]);
+    if (d_shared != nullptr) {
+      const Eigen::Matrix<double, 2, 3> d_board = projected->d_point * rotation;
+      d_full.leftCols(n) = projected->d_intrinsics;
+      d_full.col(n) = d_board.col(1) * (x_in_board.y() / board.aspect);
+      d_full.rightCols<2>() = d_board.col(2) * bends(board, i, j).transpose();
+      Eigen::Map<RowMajor>(d_shared, rows, model.basis.cols()).middleRows<2>(row) = w * d_full * model.basis;
+    }
+    if (d_pose != nullptr) {
+      auto block = Eigen::Map<RowMajor>(d_pose, rows, 6).middleRows<2>(row);
+      block.leftCols<3>() = w * projected->d_point * turn * cross_matrix(x_in_board) * jacobian;
+      block.rightCols<3>() = w * projected->d_point;
     }
   }
   return true;

@@ -53,11 +53,20 @@ Eigen::Matrix<double, 6, 6> drift_of_pose(const PoseVector& pose);
 /// own the memory.
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// Corners seen in one view. `ids` as target::BoardDetection::corner_ids: empty means all of the board's.
+struct SeenCorners {
+  std::vector<int> ids;
+  std::vector<Eigen::Vector2d> px;
+};
+inline int corner_id(const std::vector<int>& ids, std::size_t c) {
+  return ids.empty() ? static_cast<int>(c) : ids[c];
+}
+
 /// Evaluates one view. `weight` has one entry a corner or none; `d_shared`, `d_pose` may be null. False when
 /// a corner falls behind the camera or has no finite pixel.
 bool evaluate_view(const SharedModel& model, const Eigen::VectorXd& shared, const PoseVector& pose,
-                   const std::vector<Eigen::Vector2d>& observed_px, const std::vector<double>& weight,
-                   double* residual, double* d_shared, double* d_pose);
+                   const SeenCorners& seen, const std::vector<double>& weight, double* residual,
+                   double* d_shared, double* d_pose);
 
 /// A corner of a warped board: z = warp_x (1 - x'^2) + warp_y (1 - y'^2) with x', y' from -1 to 1 across the
 /// corners (mrcal's calobject_warp).

@@ -12,14 +12,14 @@ namespace {
 class ViewCost : public ceres::CostFunction {
  public:
   ViewCost(const SharedModel& model, const SolveView& view) : model_(model), view_(view) {
-    set_num_residuals(static_cast<int>(2 * view.observed_px.size()));
+    set_num_residuals(static_cast<int>(2 * view.seen.px.size()));
     mutable_parameter_block_sizes()->push_back(static_cast<int>(model.basis.cols()));
     mutable_parameter_block_sizes()->push_back(6);
   }
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     const Eigen::VectorXd shared = Eigen::Map<const Eigen::VectorXd>(parameters[0], model_.basis.cols());
     const PoseVector pose = Eigen::Map<const PoseVector>(parameters[1]);
-    return evaluate_view(model_, shared, pose, view_.observed_px, view_.weight, residuals,
+    return evaluate_view(model_, shared, pose, view_.seen, view_.weight, residuals,
                          jacobians != nullptr ? jacobians[0] : nullptr,
                          jacobians != nullptr ? jacobians[1] : nullptr);
   }
@@ -74,11 +74,11 @@ Information information(const SharedModel& model, const Solved& solved, const st
   const Eigen::Index m = model.basis.cols();
   out.shared.setZero(m, m);
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const auto rows = static_cast<Eigen::Index>(2 * views[i].observed_px.size());
+    const auto rows = static_cast<Eigen::Index>(2 * views[i].seen.px.size());
     Eigen::VectorXd residual(rows);
     RowMajor a(rows, m), b(rows, 6);
-    if (!evaluate_view(model, solved.shared, solved.poses[i], views[i].observed_px, views[i].weight,
-                       residual.data(), a.data(), b.data())) {
+    if (!evaluate_view(model, solved.shared, solved.poses[i], views[i].seen, views[i].weight, residual.data(),
+                       a.data(), b.data())) {
       return out;
     }
     const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> pose_normal(b.transpose() * b);
@@ -89,7 +89,7 @@ Information information(const SharedModel& model, const Solved& solved, const st
     out.view_gain.push_back(left.transpose() * left);
     out.shared += out.view_gain.back();
     out.squared_sum += residual.squaredNorm();
-    for (std::size_t c = 0; c < views[i].observed_px.size(); ++c) {
+    for (std::size_t c = 0; c < views[i].seen.px.size(); ++c) {
       out.residuals += views[i].weight.empty() || views[i].weight[c] > 0.0 ? 2 : 0;
     }
   }

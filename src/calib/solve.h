@@ -8,7 +8,7 @@ namespace furrow::calib {
 
 /// One view as the solver sees it.
 struct SolveView {
-  std::vector<Eigen::Vector2d> observed_px;
+  SeenCorners seen;
   std::vector<double> weight;  ///< one a corner, or none; 0 leaves a corner out
   PoseVector pose;
 };

@@ -9,9 +9,11 @@
 namespace furrow::calib {
 namespace {
 
-std::vector<Eigen::Vector2d> on_board(const target::BoardSpec& board) {
+/// The corners that a view shows, on the board's plane.
+std::vector<Eigen::Vector2d> on_board(const std::vector<Eigen::Vector3d>& corners, const SeenCorners& view) {
   std::vector<Eigen::Vector2d> out;
-  for (const Eigen::Vector3d& x : target::corners_in_board(board)) out.push_back(x.head<2>());
+  for (std::size_t c = 0; c < view.px.size(); ++c)
+    out.push_back(corners[static_cast<std::size_t>(corner_id(view.ids, c))].head<2>());
   return out;
 }
 
@@ -64,18 +66,19 @@ std::vector<Eigen::Vector2d> focal_candidates(const std::vector<Eigen::Matrix3d>
 /// Root mean square distance of the corners from where the start puts them, px; infinite when a pose is
 /// impossible.
 double start_rms_px(const Camera& camera, const std::vector<Eigen::Matrix3d>& homographies,
-                    const std::vector<std::vector<Eigen::Vector2d>>& views_px,
-                    const std::vector<Eigen::Vector3d>& corners, std::vector<Rigid3>& poses) {
+                    const std::vector<SeenCorners>& views, const std::vector<Eigen::Vector3d>& corners,
+                    std::vector<Rigid3>& poses) {
   double sum = 0.0;
   std::size_t count = 0;
   poses.clear();
   for (std::size_t v = 0; v < homographies.size(); ++v) {
     const auto pose = pose_from_homography(camera, homographies[v]);
     if (!pose) return std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      const auto px = camera::project(camera, *pose * corners[i]);
+    for (std::size_t c = 0; c < views[v].px.size(); ++c) {
+      const auto id = static_cast<std::size_t>(corner_id(views[v].ids, c));
+      const auto px = camera::project(camera, *pose * corners[id]);
       if (!px) return std::numeric_limits<double>::infinity();
-      sum += (*px - views_px[v][i]).squaredNorm();
+      sum += (*px - views[v].px[c]).squaredNorm();
       ++count;
     }
     poses.push_back(*pose);
@@ -101,13 +104,12 @@ std::optional<Rigid3> pose_from_homography(const Camera& camera, const Eigen::Ma
   return Rigid3{Eigen::Quaterniond(rotation).normalized(), rays.col(2)};
 }
 
-std::optional<Start> find_start(const std::vector<std::vector<Eigen::Vector2d>>& views_px,
-                                const target::BoardSpec& board, int width, int height) {
-  const std::vector<Eigen::Vector2d> plane = on_board(board);
+std::optional<Start> find_start(const std::vector<SeenCorners>& views, const target::BoardSpec& board,
+                                int width, int height) {
   const std::vector<Eigen::Vector3d> corners = target::corners_in_board(board);
   std::vector<Eigen::Matrix3d> homographies;
-  for (const auto& px : views_px) {
-    const auto h = target::fit_homography(plane, px);
+  for (const SeenCorners& view : views) {
+    const auto h = target::fit_homography(on_board(corners, view), view.px);
     if (!h) return std::nullopt;
     homographies.push_back(*h);
   }
@@ -121,7 +123,7 @@ std::optional<Start> find_start(const std::vector<std::vector<Eigen::Vector2d>>&
     start.camera.fy = focal.y();
     start.camera.cx = 0.5 * (width - 1);
     start.camera.cy = 0.5 * (height - 1);
-    const double rms_px = start_rms_px(start.camera, homographies, views_px, corners, start.cam_from_board);
+    const double rms_px = start_rms_px(start.camera, homographies, views, corners, start.cam_from_board);
     if (rms_px < best_rms_px) {
       best_rms_px = rms_px;
       best = std::move(start);

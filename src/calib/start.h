@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "calib/model.h"
 #include "furrow/camera/camera.h"
 #include "furrow/geom/rigid3.h"
 #include "furrow/target/board.h"
@@ -18,8 +19,8 @@ struct Start {
 /// Zhang's closed form with the principal point at the picture's middle, free and square pixels, beside a
 /// ladder of fields of view; the one that reprojects best is taken. Nothing when a view's corners allow no
 /// homography or no pose.
-std::optional<Start> find_start(const std::vector<std::vector<Eigen::Vector2d>>& views_px,
-                                const target::BoardSpec& board, int width, int height);
+std::optional<Start> find_start(const std::vector<SeenCorners>& views, const target::BoardSpec& board,
+                                int width, int height);
 
 /// Pose of a plane seen by a pinhole camera, from its homography; nothing when it is degenerate.
 std::optional<Rigid3> pose_from_homography(const Camera& camera, const Eigen::Matrix3d& picture_from_board);

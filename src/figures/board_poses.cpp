@@ -62,18 +62,14 @@ struct BoardDrawn {
 };
 
 BoardDrawn board_drawn(const calib::Calibration& calibration, std::size_t i) {
-  const target::BoardSpec& board = calibration.board;
   const calib::View& view = calibration.views[i];
-  const double step_y = board.square_m * board.aspect;
-  // One square beyond the inner corners on every side: the printed board.
-  const double left = -board.square_m, top = -step_y;
-  const double right = board.corners_x * board.square_m, bottom = board.corners_y * step_y;
+  const auto [low_m, high_m] = target::printed_extent(calibration.board);
   BoardDrawn drawn;
   drawn.number = i + 1;
-  drawn.outline = {view.cam_from_board * Eigen::Vector3d(left, top, 0),
-                   view.cam_from_board * Eigen::Vector3d(right, top, 0),
-                   view.cam_from_board * Eigen::Vector3d(right, bottom, 0),
-                   view.cam_from_board * Eigen::Vector3d(left, bottom, 0)};
+  drawn.outline = {view.cam_from_board * Eigen::Vector3d(low_m.x(), low_m.y(), 0),
+                   view.cam_from_board * Eigen::Vector3d(high_m.x(), low_m.y(), 0),
+                   view.cam_from_board * Eigen::Vector3d(high_m.x(), high_m.y(), 0),
+                   view.cam_from_board * Eigen::Vector3d(low_m.x(), high_m.y(), 0)};
   drawn.centre = 0.25 * std::accumulate(drawn.outline.begin(), drawn.outline.end(), Eigen::Vector3d(0, 0, 0));
   drawn.mean_error_px = view.mean_error_px;
   return drawn;

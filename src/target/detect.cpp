@@ -154,6 +154,7 @@ BoardDetection detect_board(const Image& picture, const BoardSpec& board, const 
   out.height = picture.height;
   const std::string wanted = size_name(board.corners_x, board.corners_y);
   out.reason = "no board of " + wanted + " inner corners found";
+  if (board.kind != BoardKind::checkerboard) return out;
   if (picture.empty() || std::min(picture.width, picture.height) < 2 * kSmallestSquarePx) return out;
   const Image grey = image::to_grey(picture);
   const Coarse coarse = coarse_copy(grey, std::max(64, options.coarse_side_px));

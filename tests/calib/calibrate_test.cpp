@@ -23,7 +23,9 @@ TEST(Model, ViewJacobiansEqualCentralDifferences) {
   Camera camera = true_camera();
   camera.model = camera::CameraModel::opencv12;
   camera.distortion = {0.4, 0.02, 4e-4, -1e-4, 9e-5, 0.7, 0.09, 1e-3, 1e-3, -2e-4, -5e-4, 1e-4};
-  target::BoardSpec board{"small", 4, 3, 0.04, 1.1};
+  // An AprilGrid of 2 x 2 tags seen without its first corner: corners at uneven steps, told by their ids.
+  const target::BoardSpec board{"small",         4, 4, 0.04, 1.1, target::BoardKind::aprilgrid, 0.0, 0.012,
+                                "apriltag_36h11"};
   const SharedModel model = make_shared_model(camera, board, Eigen::Vector2d::Zero(), free);
   Eigen::VectorXd shared = shared_of(model);
   shared.tail<2>() << 0.002, -0.001;
@@ -33,15 +35,16 @@ TEST(Model, ViewJacobiansEqualCentralDifferences) {
     pose << random.normal(), random.normal(), random.normal(), random.normal(0, 0.1), random.normal(0, 0.1),
         0.8;
     if (trial == 0) pose.head<3>().setZero();
-    const std::vector<Eigen::Vector2d> seen(12, Eigen::Vector2d(600, 300));
-    const std::vector<double> weight(12, 0.7);
+    SeenCorners seen{{}, std::vector<Eigen::Vector2d>(15, Eigen::Vector2d(600, 300))};
+    for (int id = 1; id < 16; ++id) seen.ids.push_back(id);
+    const std::vector<double> weight(15, 0.7);
     const auto residual = [&](const Eigen::VectorXd& s, const PoseVector& p) {
-      Eigen::VectorXd out(24);
+      Eigen::VectorXd out(30);
       EXPECT_TRUE(evaluate_view(model, s, p, seen, weight, out.data(), nullptr, nullptr));
       return out;
     };
-    Eigen::VectorXd at(24);
-    RowMajor a(24, model.basis.cols()), b(24, 6);
+    Eigen::VectorXd at(30);
+    RowMajor a(30, model.basis.cols()), b(30, 6);
     ASSERT_TRUE(evaluate_view(model, shared, pose, seen, weight, at.data(), a.data(), b.data()));
     for (Eigen::Index i = 0; i < shared.size(); ++i) {
       const double step = 1e-6 * std::max(1.0, std::abs(shared[i]));
@@ -55,6 +58,36 @@ TEST(Model, ViewJacobiansEqualCentralDifferences) {
       const Eigen::VectorXd numeric = (residual(shared, pose + d) - residual(shared, pose - d)) / (2 * kStep);
       EXPECT_LT((b.col(i) - numeric).norm(), 1e-4 * (1 + numeric.norm())) << "pose " << i;
     }
+  }
+}
+
+// Boards of which every view misses other corners: the ids say which are there.
+TEST(Calibrate, PartsOfABoardGiveTheCamera) {
+  auto detections = session(true_camera(), true_board(), {20});
+  base::Random random(17);
+  for (auto& one : detections) {
+    const auto whole = one;
+    one.corners_px.clear();
+    one.sigma_px.clear();
+    for (int id = 0; id < 54; ++id) {
+      if (random.uniform() < 0.4) continue;
+      one.corner_ids.push_back(id);
+      one.corners_px.push_back(whole.corners_px[static_cast<std::size_t>(id)]);
+      one.sigma_px.push_back(0.2);
+    }
+  }
+  const auto found = calibrate(detections, true_board());
+  ASSERT_TRUE(found.ok()) << found.error().message();
+  EXPECT_LT(found->rms_px, 0.2 * std::sqrt(2.0) * 1.05);
+  EXPECT_NEAR(found->camera.fx, true_camera().fx, 3.0 * std::sqrt(found->camera.covariance(0, 0)));
+  EXPECT_EQ(found->views[0].corner_ids, detections[0].corner_ids);
+  for (const std::vector<int>& wrong : {std::vector<int>{3, 2}, {-1, 4}, {5, 54}}) {
+    auto broken = detections;
+    broken[0].corner_ids = wrong;
+    broken[0].corners_px.resize(2);
+    const auto without = calibrate(broken, true_board());
+    ASSERT_TRUE(without.ok()) << without.error().message();
+    EXPECT_EQ(without->views[0].reason, "corners that are not the board's");
   }
 }
 

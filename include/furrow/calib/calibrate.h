@@ -43,6 +43,8 @@ struct View {
   std::string reason;  ///< why it was not used; empty when it was
   Rigid3 cam_from_board;
   std::vector<Eigen::Vector2d> observed_px;
+  /// Which corner each one is (a place in target::corners_in_board); empty: all of them.
+  std::vector<int> corner_ids;
   std::vector<Eigen::Vector2d> residual_px;  ///< observed - projected
   std::vector<bool>
       left_out;  ///< corners rejected as outliers; empty when none was looked for. Not counted in rms_px.

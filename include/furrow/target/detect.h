@@ -10,12 +10,14 @@
 
 namespace furrow::target {
 
-/// The inner corners of one picture's board, or why there are none.
+/// The corners of one picture's board, or why there are none.
 struct BoardDetection {
   std::string image;  ///< name as given
   int width = 0, height = 0;
   bool found = false;
   std::vector<Eigen::Vector2d> corners_px;  ///< order of corners_in_board; empty when not found
+  /// Which corner each one is, rising (a place in corners_in_board); empty: all of them.
+  std::vector<int> corner_ids;
   /// One per corner: what the picture's noise and gradients allow, per coordinate. Relative weights are good;
   /// the absolute level leaves out the lens, the paper and the JPEG.
   std::vector<double> sigma_px;
