@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <utility>
 
 #include "furrow/base/text.h"
 
@@ -96,23 +97,45 @@ Result<std::string> read_file(const fs::path& file, std::size_t limit_bytes) {
   return bytes;
 }
 
-Status write_file_with(const fs::path& file, const std::function<bool(const fs::path&)>& write) {
+Result<PartFile> PartFile::create(const fs::path& file) {
   std::error_code code;
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), code);
   if (code) return unwritable(file, "its folder cannot be made: " + code.message());
-  const fs::path temporary = temporary_beside(file);
+  return PartFile(file, temporary_beside(file));
+}
+
+PartFile::PartFile(fs::path file, fs::path temporary)
+    : file_(std::move(file)), temporary_(std::move(temporary)) {}
+
+PartFile::PartFile(PartFile&& other) noexcept
+    : file_(std::exchange(other.file_, {})), temporary_(std::exchange(other.temporary_, {})) {}
+
+PartFile& PartFile::operator=(PartFile&& other) noexcept {
+  std::swap(file_, other.file_);
+  std::swap(temporary_, other.temporary_);
+  return *this;
+}
+
+PartFile::~PartFile() {
+  std::error_code code;
+  if (!temporary_.empty()) fs::remove(temporary_, code);
+}
+
+Status PartFile::commit() {
+  std::error_code code;
+  fs::rename(temporary_, file_, code);
+  if (code) return unwritable(file_, code.message());
+  temporary_.clear();
+  return Done{};
+}
+
+Status write_file_with(const fs::path& file, const std::function<bool(const fs::path&)>& write) {
+  FURROW_TRY(PartFile part, PartFile::create(file));
   errno = 0;
-  const bool written = write(temporary);
+  const bool written = write(part.temporary());
   const int reason = errno;
-  if (!written) {
-    fs::remove(temporary, code);
-    return unwritable(file, reason != 0 ? system_reason(reason) : "the writer failed");
-  }
-  fs::rename(temporary, file, code);
-  if (!code) return Done{};
-  const std::string message = code.message();
-  fs::remove(temporary, code);
-  return unwritable(file, message);
+  if (!written) return unwritable(file, reason != 0 ? system_reason(reason) : "the writer failed");
+  return part.commit();
 }
 
 Status write_file(const fs::path& file, std::string_view bytes) {

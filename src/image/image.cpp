@@ -7,24 +7,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "furrow/base/file.h"
+#include "image/mat.h"
 
 namespace furrow::image {
 namespace {
 
 constexpr std::int64_t kMaxPixels = 200'000'000;
-
-/// The picture's memory as a cv::Mat, channel order as it is. OpenCV has no const view, hence the cast;
-/// callers only read.
-cv::Mat view(const Image& picture) {
-  return {picture.height, picture.width, CV_8UC(picture.channels),
-          const_cast<std::uint8_t*>(picture.data.data())};
-}
-
-Image from_mat(const cv::Mat& mat) {
-  Image picture = make_image(mat.cols, mat.rows, mat.channels());
-  mat.copyTo(view(picture));
-  return picture;
-}
 
 Error unreadable(const std::string& name, const std::string& found) {
   return {"picture_unreadable", name, found, "a whole JPEG, PNG or TIFF picture", ""};

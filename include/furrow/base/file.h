@@ -24,6 +24,27 @@ Status write_file(const std::filesystem::path& file, std::string_view bytes);
 Status write_file_with(const std::filesystem::path& file,
                        const std::function<bool(const std::filesystem::path&)>& write);
 
+/// A file that grows over a long run: everything goes to a temporary name beside it, with the same extension,
+/// until commit() renames it. One that is destroyed before leaves nothing; a killed run leaves the old file
+/// or none.
+class PartFile {
+ public:
+  /// Makes the folder when it is missing. Errors: file_unwritable.
+  static Result<PartFile> create(const std::filesystem::path& file);
+  PartFile(PartFile&& other) noexcept;
+  PartFile& operator=(PartFile&& other) noexcept;
+  ~PartFile();
+
+  /// Where to write until commit().
+  const std::filesystem::path& temporary() const { return temporary_; }
+  /// Errors: file_unwritable.
+  Status commit();
+
+ private:
+  PartFile(std::filesystem::path file, std::filesystem::path temporary);
+  std::filesystem::path file_, temporary_;  ///< both empty once committed or moved from
+};
+
 /// Files that match `pattern` ('*' and '?' in the last part only), in natural order; relative patterns start
 /// at `base`. A pattern without wildcards is returned as it is, existing or not. Errors: no_match (names the
 /// pattern and the folder).
