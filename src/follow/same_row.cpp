@@ -1,17 +1,13 @@
 #include "furrow/follow/same_row.h"
 
 #include <cmath>
-#include <limits>
 
 namespace furrow::follow {
-namespace {
 
-struct Place {
-  double u = std::numeric_limits<double>::quiet_NaN(), spacing = u;
-};
-
-/// Place of row 0 on the picture's middle row and the distance to a neighbour there.
-Place place_of(const rows::RowLines& lines) {
+RowPlace place_of(const rows::RowLines& lines) {
+  RowPlace place;
+  if (!lines.ok()) return place;
+  place.width = lines.width, place.height = lines.height;
   const double v = 0.5 * (lines.height - 1);
   std::optional<double> middle, left, right;
   for (const rows::RowLine& row : lines.rows) {
@@ -19,49 +15,58 @@ Place place_of(const rows::RowLines& lines) {
     if (row.index == -1) left = rows::u_at(row, v);
     if (row.index == 1) right = rows::u_at(row, v);
   }
-  Place place;
   if (!middle) return place;
-  place.u = *middle;
+  place.u_px = *middle;
   if (left && right) {
-    place.spacing = 0.5 * (*right - *left);
+    place.spacing_px = 0.5 * (*right - *left);
   } else if (right) {
-    place.spacing = *right - *middle;
+    place.spacing_px = *right - *middle;
   } else if (left) {
-    place.spacing = *middle - *left;
+    place.spacing_px = *middle - *left;
   }
   return place;
 }
 
-}  // namespace
-
-std::optional<int> index_shift(const rows::RowLines& before, const rows::RowLines& now) {
+std::optional<int> index_shift(const RowPlace& before, const RowPlace& now) {
   constexpr double kSpacingChange = 0.25, kDoubtful = 0.35;
-  if (!before.ok() || !now.ok() || before.width != now.width || before.height != now.height)
+  if (!before.usable() || !now.usable() || before.width != now.width || before.height != now.height)
     return std::nullopt;
-  const Place a = place_of(before), b = place_of(now);
-  if (!(a.spacing > 0.0) || !(b.spacing > 0.0) || std::abs(b.spacing / a.spacing - 1.0) > kSpacingChange)
-    return std::nullopt;
+  if (std::abs(now.spacing_px / before.spacing_px - 1.0) > kSpacingChange) return std::nullopt;
   // Where the old row 0 lies now, as an index of the new rows; rows move less than half a spacing between
   // pictures.
-  const double index = (a.u - b.u) / b.spacing, nearest = std::round(index);
+  const double index = (before.u_px - now.u_px) / now.spacing_px, nearest = std::round(index);
   if (std::abs(index - nearest) > kDoubtful) return std::nullopt;
   return -static_cast<int>(nearest);
 }
 
+std::optional<int> index_shift(const rows::RowLines& before, const rows::RowLines& now) {
+  return index_shift(place_of(before), place_of(now));
+}
+
+RowNumbers next_number(const RowNumbers& before, const RowPlace& now, int most_missing) {
+  RowNumbers next = before;
+  next.number.reset();
+  if (next.is_lost) return next;
+  if (!now.usable()) {
+    next.missing += next.last_number ? 1 : 0;
+    return next;
+  }
+  if (!next.last_number) {
+    next.number = 0;
+  } else if (next.missing <= most_missing) {
+    if (const auto shift = index_shift(next.last, now)) next.number = *next.last_number + *shift;
+  }
+  next.is_lost = !next.number;
+  if (next.number) next.last = now, next.last_number = next.number, next.missing = 0;
+  return next;
+}
+
 std::vector<std::optional<int>> followed_rows(const std::vector<rows::RowLines>& sequence, int most_missing) {
   std::vector<std::optional<int>> numbers;
-  std::optional<std::size_t> last;
-  bool is_lost = false;
-  for (std::size_t i = 0; i < sequence.size(); ++i) {
-    numbers.emplace_back();
-    if (is_lost || !sequence[i].ok()) continue;
-    if (!last) {
-      numbers[i] = 0;
-    } else if (static_cast<int>(i - *last) <= most_missing + 1) {
-      if (const auto shift = index_shift(sequence[*last], sequence[i])) numbers[i] = *numbers[*last] + *shift;
-    }
-    is_lost = !numbers[i].has_value();
-    if (numbers[i]) last = i;
+  RowNumbers state;
+  for (const rows::RowLines& lines : sequence) {
+    state = next_number(state, place_of(lines), most_missing);
+    numbers.push_back(state.number);
   }
   return numbers;
 }

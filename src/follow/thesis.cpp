@@ -1,7 +1,6 @@
 #include "furrow/follow/thesis.h"
 
 #include <cmath>
-#include <deque>
 #include <numeric>
 
 #include "furrow/base/result.h"
@@ -23,26 +22,36 @@ double deviation_cm(double deviation_px, double half_width_px) {
   return deviation_px * kThesisHalfWidthCm / half_width_px;
 }
 
-std::vector<Steering> thesis_steering(const std::vector<std::optional<double>>& deviations_px) {
+std::optional<Estimate> half_width_px(const rows::RowLines& lines) {
+  if (!lines.ok()) return std::nullopt;
+  for (const rows::RowLine& row : lines.rows) {
+    if (row.index == 0) return row.half_width_px;
+  }
+  return std::nullopt;
+}
+
+Steering thesis_step(const Steering& before, const std::optional<double>& deviation_px) {
   constexpr std::size_t kAveraged = 5;  // thesis, section 4: the last five deviations
-  std::deque<double> last;
+  Steering now;
+  now.last_px = before.last_px;
+  const bool is_seen = deviation_px && std::isfinite(*deviation_px);
+  if (is_seen) now.last_px.push_back(*deviation_px);
+  if (now.last_px.size() > kAveraged) now.last_px.erase(now.last_px.begin());
+  if (now.last_px.empty()) return now;
+  const double average =
+      std::accumulate(now.last_px.begin(), now.last_px.end(), 0.0) / static_cast<double>(now.last_px.size());
+  now.average_px = average;
+  if (!is_seen) return now;
+  now.deviation_px = deviation_px;
+  now.steer_px = std::abs(*deviation_px) < std::abs(average) ? *deviation_px : average;
+  return now;
+}
+
+std::vector<Steering> thesis_steering(const std::vector<std::optional<double>>& deviations_px) {
   std::vector<Steering> result;
   result.reserve(deviations_px.size());
-  for (const auto& deviation : deviations_px) {
-    Steering steering;
-    if (deviation && std::isfinite(*deviation)) {
-      steering.deviation_px = deviation;
-      last.push_back(*deviation);
-      if (last.size() > kAveraged) last.pop_front();
-      const double average =
-          std::accumulate(last.begin(), last.end(), 0.0) / static_cast<double>(last.size());
-      steering.average_px = average;
-      steering.steer_px = std::abs(*deviation) < std::abs(average) ? *deviation : average;
-    } else if (!last.empty()) {
-      steering.average_px = std::accumulate(last.begin(), last.end(), 0.0) / static_cast<double>(last.size());
-    }
-    result.push_back(steering);
-  }
+  for (const auto& deviation : deviations_px)
+    result.push_back(thesis_step(result.empty() ? Steering{} : result.back(), deviation));
   return result;
 }
 

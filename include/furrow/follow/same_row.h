@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -6,17 +7,41 @@
 
 namespace furrow::follow {
 
+/// Where a picture's rows cross its middle row: all that row numbers are kept by.
+struct RowPlace {
+  double u_px = std::numeric_limits<double>::quiet_NaN();        ///< of row 0
+  double spacing_px = std::numeric_limits<double>::quiet_NaN();  ///< to its neighbours
+  int width = 0, height = 0;                                     ///< of the picture
+
+  bool usable() const { return spacing_px > 0.0 && u_px == u_px; }
+};
+
+/// Not usable where a picture shows no two neighbouring rows on its middle row.
+RowPlace place_of(const rows::RowLines& lines);
+
 /// What to add to the row indices of `now` so that rows keep the numbers they had in `before`, a picture
 /// shortly earlier of the same size: 0 while the followed row stays the nearest to the middle, +1 after the
 /// camera moved over to the row on its right. Nothing when it cannot be told: rows missing in either,
 /// spacings that differ by more than a quarter, or a row about half a spacing away from every other (0.35 to
 /// 0.65).
+std::optional<int> index_shift(const RowPlace& before, const RowPlace& now);
 std::optional<int> index_shift(const rows::RowLines& before, const rows::RowLines& now);
 
-/// Row numbers through a sequence: the number of each picture's followed row (index 0), counted from the
-/// first picture's. Nothing for pictures without rows, and from where continuity was lost until the end of
-/// what can be linked: a number is never guessed. A gap of up to `most_missing` pictures without rows is
-/// bridged.
+/// Row numbers through a sequence, picture by picture.
+struct RowNumbers {
+  RowPlace last;  ///< of the last picture whose number is known
+  std::optional<int> last_number;
+  int missing = 0;       ///< pictures since
+  bool is_lost = false;  ///< continuity was lost; only a new start helps
+  /// Number of this picture's row 0, counted from the first picture's; nothing when it cannot be told.
+  std::optional<int> number;
+};
+
+/// The numbers after one more picture. A gap of up to `most_missing` pictures without rows is bridged; from
+/// where continuity is lost no number is given: it is never guessed.
+RowNumbers next_number(const RowNumbers& before, const RowPlace& now, int most_missing = 2);
+
+/// The same for a whole sequence.
 std::vector<std::optional<int>> followed_rows(const std::vector<rows::RowLines>& sequence,
                                               int most_missing = 2);
 
