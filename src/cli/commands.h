@@ -22,6 +22,7 @@ using Action = std::function<int()>;
 /// Each adds one subcommand; parsing it sets `action`.
 void add_calibrate(CLI::App& app, Action& action);
 void add_demo(CLI::App& app, Action& action);
+void add_follow(CLI::App& app, Action& action);
 void add_rows(CLI::App& app, Action& action);
 void add_run(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);

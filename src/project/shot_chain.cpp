@@ -45,21 +45,6 @@ altitude::AttitudePrior prior_of(const telemetry::Sample& state, const Project& 
   return prior;
 }
 
-/// Where the gimbal's angles put the horizon. Without a lens: the horizon is often outside the picture, where
-/// no lens model holds.
-rows::Priors horizon_of(const altitude::AttitudePrior& prior, const Camera& camera) {
-  rows::Priors priors;
-  if (!prior.pitch_rad.usable()) return priors;
-  const double pitch = prior.pitch_rad.value;
-  // Nearer to nadir than this the horizon is so far away that its place tells the row search nothing.
-  constexpr double kSteepest = deg_to_rad(-80.0);
-  if (pitch < kSteepest || pitch > -kSteepest) return priors;
-  priors.horizon_v_px = camera.cy + camera.fy * std::tan(pitch);
-  priors.horizon_sigma_px = camera.fy * prior.pitch_rad.sigma / (std::cos(pitch) * std::cos(pitch));
-  priors.horizon_slope = -std::tan(prior.roll_rad.value);
-  return priors;
-}
-
 /// The thesis's formula with the half width found at the picture's middle row.
 Estimate thesis_height(const rows::RowLines& lines, const Camera& camera,
                        const altitude::FieldKnowledge& field, const altitude::AttitudePrior& prior) {
@@ -119,6 +104,19 @@ void measure(ShotResult& result, const Camera& camera, const Project& project) {
 }
 
 }  // namespace
+
+rows::Priors horizon_of(const altitude::AttitudePrior& prior, const Camera& camera) {
+  rows::Priors priors;
+  if (!prior.pitch_rad.usable()) return priors;
+  const double pitch = prior.pitch_rad.value;
+  // Nearer to nadir than this the horizon is so far away that its place tells the row search nothing.
+  constexpr double kSteepest = deg_to_rad(-80.0);
+  if (pitch < kSteepest || pitch > -kSteepest) return priors;
+  priors.horizon_v_px = camera.cy + camera.fy * std::tan(pitch);
+  priors.horizon_sigma_px = camera.fy * prior.pitch_rad.sigma / (std::cos(pitch) * std::cos(pitch));
+  priors.horizon_slope = -std::tan(prior.roll_rad.value);
+  return priors;
+}
 
 audit::ShotRecord with_refined(audit::ShotRecord record, const altitude::RefinedShot& refined) {
   record.pitch_deg = in_degrees(refined.pitch_rad);

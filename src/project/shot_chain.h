@@ -6,6 +6,7 @@
 #include "furrow/audit/shot_record.h"
 #include "furrow/camera/camera.h"
 #include "furrow/project/project.h"
+#include "furrow/rows/detect.h"
 #include "furrow/rows/row_lines.h"
 #include "furrow/sync/locate.h"
 #include "furrow/telemetry/shot.h"
@@ -25,6 +26,10 @@ struct ShotResult {
 /// record.reason.
 ShotResult process_shot(const telemetry::Shot& shot, const sync::ShotPose& pose, const Camera& camera,
                         const Project& project);
+
+/// Where the gimbal's angles put the horizon. Without a lens: the horizon is often outside the picture, where
+/// no lens model holds. Nothing near nadir or without a pitch.
+rows::Priors horizon_of(const altitude::AttitudePrior& prior, const Camera& camera);
 
 /// The record with a refinement's height, attitude and offset in it.
 audit::ShotRecord with_refined(audit::ShotRecord record, const altitude::RefinedShot& refined);
