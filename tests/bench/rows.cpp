@@ -1,14 +1,18 @@
 // Accuracy and time of row detection on pictures with published truth.
 //
 //   bench_rows [--data DIR] [--half all|even|odd] [--method thesis|field|bound] [--list] [--draw DIR]
+//              [--perturbed] [--sweep] [--times]
 //
 // CRBD: CRDA (Vidovic, Cupec, Hocenski 2016) with m = 3 adjacent rows and the best of seven shifts, one per
 // picture; and the share of pictures whose median relative spacing error over the picture rows is below 5 %.
 // CRDLD: the followed row lies within 5 % of the picture's width of the true centre row at 60 % and at 90 %
 // of the height; the centre row is, for both, the one nearest the middle column at 75 % of the height.
 // "bound" fits the planar field to the truth itself. Halves are by sorted name: even is for development, odd
-// is held back from looks.
+// is held back from looks. --perturbed scores copies of the pictures too (mirrored, cropped, ...): a change
+// that gains on the pictures alone is noise. --sweep shows where the method ends, on drawn fields. --times
+// takes the CPU time of the thread at 320x240 and 1280x720, the least of three runs a picture.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -20,6 +24,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/perturb.h"
+#include "bench/rows_sweep.h"
 #include "furrow/base/value.h"
 #include "furrow/image/image.h"
 #include "furrow/rows/detect.h"
@@ -38,7 +44,7 @@ constexpr double kSpacingTolerance = 0.05, kCentreTolerance = 0.05;
 struct Arguments {
   fs::path data;
   std::string half = "all", method;
-  bool list = false;
+  bool list = false, perturbed = false, sweep = false, times = false;
   fs::path draw;
 };
 
@@ -64,19 +70,27 @@ CrbdTruth read_crp(const fs::path& file) {
 
 using RowPlace = std::function<std::optional<double>(int index, double v)>;
 
-double crda(const CrbdTruth& truth, const RowPlace& place) {
-  double best = 0.0;
+struct Crda {
+  double value = 0.0;
+  std::array<double, 4> by_quarter{};  // of the rows with truth, from the top
+};
+
+Crda crda(const CrbdTruth& truth, const RowPlace& place) {
+  Crda best;
+  const std::size_t count = truth.c.size();
   for (int shift = -kCrdaShift; shift <= kCrdaShift; ++shift) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < truth.c.size(); ++i) {
+    Crda one;
+    for (std::size_t i = 0; i < count; ++i) {
       for (int k = -1; k <= 1; ++k) {
         const auto u = place(k + shift, truth.v(i));
         if (!u) continue;
         const double off = (truth.u(i, k) - *u) / (kCrdaSigma * truth.d[i]);
-        sum += std::max(1.0 - off * off, 0.0);
+        const double part = std::max(1.0 - off * off, 0.0) / (3.0 * static_cast<double>(count));
+        one.value += part;
+        one.by_quarter[4 * i / count] += 4.0 * part;
       }
     }
-    best = std::max(best, sum / (3.0 * static_cast<double>(truth.c.size())));
+    if (one.value > best.value) best = one;
   }
   return best;
 }
@@ -100,6 +114,7 @@ double spacing_error(const CrbdTruth& truth, const RowPlace& place) {
   return stats::median(errors);
 }
 
+/// Valid while `lines` is.
 RowPlace place_in(const rows::RowLines& lines) {
   std::map<int, const rows::RowLine*> by_index;
   for (const rows::RowLine& row : lines.rows) by_index[row.index] = &row;
@@ -209,6 +224,7 @@ Image overlay(const Image& picture, const rows::RowLines& lines) {
 
 struct Tally {
   std::vector<double> scores, spacing_errors, ms, confidences;
+  std::array<std::vector<double>, 4> by_quarter;
   int right = 0;
   int sure = 0, sure_right = 0;  // confidence 0.9 and more
 
@@ -236,9 +252,11 @@ void bench_crbd(const Arguments& arguments, rows::Method method, const std::stri
     const CrbdTruth truth = read_crp(fs::path(files[i]).replace_extension(".crp"));
     double ms = 0.0;
     const auto lines = timed_detect(*picture, method, ms);
-    const double score = crda(truth, place_in(lines));
+    const Crda full_score = crda(truth, place_in(lines));
+    const double score = full_score.value;
     const double error = spacing_error(truth, place_in(lines));
     tally.scores.push_back(score);
+    for (std::size_t q = 0; q < 4; ++q) tally.by_quarter[q].push_back(full_score.by_quarter[q]);
     tally.spacing_errors.push_back(error);
     tally.ms.push_back(ms);
     if (error < kSpacingTolerance) ++tally.right;
@@ -250,9 +268,10 @@ void bench_crbd(const Arguments& arguments, rows::Method method, const std::stri
   }
   if (tally.scores.empty()) return;
   std::printf(
-      "CRBD  %-7s n %3zu  CRDA %.3f  spacing<5%% %.3f  ms mean %.2f median %.2f  right at confidence 0.9: %d "
-      "of %d\n",
-      method_name.c_str(), tally.scores.size(), stats::mean(tally.scores),
+      "CRBD  %-7s n %3zu  CRDA %.3f (quarters from the top %.2f %.2f %.2f %.2f)  spacing<5%% %.3f  ms mean "
+      "%.2f median %.2f  right at confidence 0.9: %d of %d\n",
+      method_name.c_str(), tally.scores.size(), stats::mean(tally.scores), stats::mean(tally.by_quarter[0]),
+      stats::mean(tally.by_quarter[1]), stats::mean(tally.by_quarter[2]), stats::mean(tally.by_quarter[3]),
       tally.right / static_cast<double>(tally.scores.size()), stats::mean(tally.ms), stats::median(tally.ms),
       tally.sure_right, tally.sure);
 }
@@ -266,9 +285,9 @@ void bench_bound(const Arguments& arguments) {
       const CrbdTruth truth = read_crp(fs::path(files[i]).replace_extension(".crp"));
       const auto field = fit_to_truth(truth, with_bend2);
       const double score = crda(truth, [&](int k, double v) -> std::optional<double> {
-        if (field.scale(v) <= 0.0) return std::nullopt;
-        return field.u_at(v, k);
-      });
+                             if (field.scale(v) <= 0.0) return std::nullopt;
+                             return field.u_at(v, k);
+                           }).value;
       scores.push_back(score);
       if (arguments.list)
         std::printf("  %-22s score %.3f g %.3f bend %.2f bend2 %.3f\n", files[i].stem().string().c_str(),
@@ -378,6 +397,58 @@ void bench_crdld(const Arguments& arguments, rows::Method method, const std::str
       tally.sure);
 }
 
+/// CRDA and spacings on perturbed copies, by kind.
+void bench_perturbed(const Arguments& arguments, rows::Method method, const std::string& method_name) {
+  std::map<std::string, Tally> tallies;
+  const auto files = pictures_in(arguments.data / "rows/crbd-train");
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (!in_half(i, arguments.half)) continue;
+    const auto original = image::read_image(files[i]);
+    if (!original.ok()) continue;
+    const CrbdTruth truth = read_crp(fs::path(files[i]).replace_extension(".crp"));
+    for (const bench::Perturbed& copy : bench::perturbed_copies(*original)) {
+      double ms = 0.0;
+      const auto lines = bench::in_original(timed_detect(copy.picture, method, ms), copy, *original);
+      const RowPlace place = place_in(lines);
+      for (const std::string& name : {copy.name, std::string("all copies")}) {
+        tallies[name].scores.push_back(crda(truth, place).value);
+        tallies[name].right += spacing_error(truth, place) < kSpacingTolerance;
+      }
+    }
+  }
+  for (const auto& [name, tally] : tallies)
+    std::printf("CRBD  %-7s %-10s n %3zu  CRDA %.3f  spacing<5%% %.3f\n", method_name.c_str(), name.c_str(),
+                tally.scores.size(), stats::mean(tally.scores),
+                tally.right / static_cast<double>(tally.scores.size()));
+}
+
+/// Median over pictures of the least thread time of three runs.
+void bench_times(const Arguments& arguments, rows::Method method, const std::string& method_name) {
+  constexpr int kRuns = 3, kEvery = 4;
+  for (const auto& [width, height] : {std::pair{320, 240}, {1280, 720}}) {
+    std::vector<double> times;
+    for (const char* folder : {"rows/crbd-train", "rows/crdld-train", "flights/mini-se/mid_corn"}) {
+      const auto files = pictures_in(arguments.data / folder);
+      for (std::size_t i = 0; i < files.size(); i += kEvery) {
+        const auto original = image::read_image(files[i]);
+        if (!original.ok()) continue;
+        const Image picture = image::resize(*original, width, height);
+        double least = 1e9;
+        for (int run = 0; run < kRuns; ++run) {
+          double ms = 0.0;
+          (void)timed_detect(picture, method, ms);
+          least = std::min(least, ms);
+        }
+        times.push_back(least);
+      }
+    }
+    if (!times.empty())
+      std::printf("time  %-7s %dx%d  n %zu  median %.2f ms  mean %.2f  most %.2f\n", method_name.c_str(),
+                  width, height, times.size(), stats::median(times), stats::mean(times),
+                  *std::max_element(times.begin(), times.end()));
+  }
+}
+
 Arguments read_arguments(int argc, char** argv) {
   Arguments arguments;
   const char* data = std::getenv("FURROW_DATA");
@@ -385,8 +456,12 @@ Arguments read_arguments(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string name = argv[i];
     const std::string value = i + 1 < argc ? argv[i + 1] : "";
-    if (name == "--list") {
-      arguments.list = true;
+    const std::map<std::string, bool*> flags = {{"--list", &arguments.list},
+                                                {"--perturbed", &arguments.perturbed},
+                                                {"--sweep", &arguments.sweep},
+                                                {"--times", &arguments.times}};
+    if (const auto flag = flags.find(name); flag != flags.end()) {
+      *flag->second = true;
       continue;
     }
     ++i;
@@ -409,6 +484,9 @@ int main(int argc, char** argv) {
     if (!wanted(name)) continue;
     bench_crbd(arguments, method, name);
     bench_crdld(arguments, method, name);
+    if (arguments.perturbed) bench_perturbed(arguments, method, name);
+    if (arguments.times) bench_times(arguments, method, name);
+    if (arguments.sweep) bench::print_row_sweep(method, name);
   }
   return 0;
 }
