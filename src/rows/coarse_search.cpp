@@ -82,7 +82,7 @@ Rectified rectify(const Strips& strips, double convergence) {
 
 /// Sum of all lines, each shifted by slope y + bend y^2.
 struct Aligned {
-  std::array<std::int16_t, kBins> sum;
+  std::array<float, kBins> sum;  // in levels
   std::array<float, kBins> weight;
 };
 
@@ -112,7 +112,9 @@ void align(const Rectified& rectified, double slope, double bend, Aligned& out) 
       a += in[0], b += in[1], c += in[2], d += in[3];
     }
     const std::array<Lanes, 4> sums = {a, b, c, d};
-    std::memcpy(out.sum.data() + from, sums.data(), sizeof sums);
+    std::array<std::int16_t, kBlock> whole;
+    std::memcpy(whole.data(), sums.data(), sizeof sums);
+    for (std::size_t i = 0; i < kBlock; ++i) out.sum[from + i] = static_cast<float>(whole[i]) / kLevels;
   }
   float weight = 0.0F;
   for (std::size_t i = 0; i < kBins; ++i) out.weight[i] = weight += steps[i];
@@ -122,10 +124,8 @@ void align(const Rectified& rectified, double slope, double bend, Aligned& out) 
 float explained(const Aligned& aligned) {
   std::array<float, 8> total{};
   for (std::size_t i = 0; i < kBins; i += total.size()) {
-    for (std::size_t k = 0; k < total.size(); ++k) {
-      const float sum = static_cast<float>(aligned.sum[i + k]);
-      total[k] += sum * sum / (aligned.weight[i + k] + 1.0F);
-    }
+    for (std::size_t k = 0; k < total.size(); ++k)
+      total[k] += aligned.sum[i + k] * aligned.sum[i + k] / (aligned.weight[i + k] + 1.0F);
   }
   float all = 0.0F;
   for (const float part : total) all += part;
@@ -138,8 +138,26 @@ struct Sheared {
   double slope = 0.0, bend = 0.0;
 };
 
-/// The best few shears and bends of one rectification that differ.
+/// The best few that differ in slope by `apart` or in bend.
+std::vector<Sheared> best_of(std::vector<Sheared> all, double apart, std::size_t most) {
+  std::sort(all.begin(), all.end(), [](const Sheared& a, const Sheared& b) { return a.score > b.score; });
+  std::vector<Sheared> kept;
+  for (const Sheared& one : all) {
+    const bool is_near = std::any_of(kept.begin(), kept.end(), [&](const Sheared& other) {
+      return std::abs(other.slope - one.slope) < apart && other.bend == one.bend;
+    });
+    if (!is_near) kept.push_back(one);
+    if (kept.size() >= most) break;
+  }
+  return kept;
+}
+
+/// The best few shears and bends of one rectification: bends are tried where straight rows fit best, since a
+/// bend leaves part of the picture straight.
 std::vector<Sheared> best_shears(const Strips& strips, const Rectified& rectified, std::size_t number) {
+  constexpr double kBendBins = 12.0;  // at the farthest strip
+  constexpr std::size_t kBent = 6, kKept = 4;
+  constexpr int kBesides = 3;  // slopes tried on each side of a straight one
   const double depth = std::max(std::abs(rectified.lines.front().y), std::abs(rectified.lines.back().y));
   // Slopes: the vanishing point within a picture's width of its middle, or rows up to the steepest in a view
   // straight down.
@@ -147,26 +165,20 @@ std::vector<Sheared> best_shears(const Strips& strips, const Rectified& rectifie
   const double most = std::max(g * strips.width, kSteepestTan * strips.height * std::max(0.0, 1.0 - g));
   const double step = 4.0 * rectified.bin_px / depth;  // the farthest strip moves by four bins
   const int steps = static_cast<int>(std::ceil(most / step));
-  std::vector<Sheared> all;
   Aligned aligned;
-  for (const double bend_bins : {-12.0, 0.0, 12.0}) {
-    const double bend = bend_bins * rectified.bin_px / (depth * depth);
-    for (int i = -steps; i <= steps; ++i) {
-      align(rectified, i * step, bend, aligned);
-      all.push_back({explained(aligned), number, i * step, bend});
+  const auto tried = [&](double slope, double bend) {
+    align(rectified, slope, bend, aligned);
+    return Sheared{explained(aligned), number, slope, bend};
+  };
+  std::vector<Sheared> all;
+  for (int i = -steps; i <= steps; ++i) all.push_back(tried(i * step, 0.0));
+  for (const Sheared& straight : best_of(all, 2.5 * step, kBent)) {
+    for (const double side : {-1.0, 1.0}) {
+      const double bend = side * kBendBins * rectified.bin_px / (depth * depth);
+      for (int i = -kBesides; i <= kBesides; ++i) all.push_back(tried(straight.slope + i * step, bend));
     }
   }
-  std::sort(all.begin(), all.end(), [](const Sheared& a, const Sheared& b) { return a.score > b.score; });
-  constexpr std::size_t kKept = 4;
-  std::vector<Sheared> kept;
-  for (const Sheared& one : all) {
-    const bool is_near = std::any_of(kept.begin(), kept.end(), [&](const Sheared& other) {
-      return std::abs(other.slope - one.slope) < 2.5 * step && other.bend == one.bend;
-    });
-    if (!is_near) kept.push_back(one);
-    if (kept.size() >= kKept) break;
-  }
-  return kept;
+  return best_of(std::move(all), 2.5 * step, kKept);
 }
 
 constexpr std::size_t kPhases = 24;
@@ -175,8 +187,13 @@ struct Folded {
   double score = 0.0, offset = 0.0, tooth = 0.3;
 };
 
-/// Folds an aligned sum over one spacing; the phase and width of the tooth that explain most.
-Folded fold(const Aligned& aligned, double bin_px, double spacing) {
+/// Sums over one period, twice over and running, so that a tooth may wrap: before[i] is the sum of all phases
+/// before i.
+struct Period {
+  std::array<float, 2 * kPhases + 1> sum_before{}, weight_before{};
+};
+
+Period period_of(const Aligned& aligned, double bin_px, double spacing) {
   std::array<float, kPhases> sum{}, weight{};
   // Phases as 16.16 fixed point of a period: they wrap by themselves.
   const double start = -0.5 * static_cast<double>(kBins) * bin_px / spacing;
@@ -184,27 +201,38 @@ Folded fold(const Aligned& aligned, double bin_px, double spacing) {
   const auto step = static_cast<std::uint32_t>(std::llround(bin_px / spacing * 4294967296.0));
   for (std::size_t i = 0; i < kBins; ++i, phase += step) {
     const std::size_t bin = (static_cast<std::uint64_t>(phase) * kPhases) >> 32U;
-    sum[bin] += static_cast<float>(aligned.sum[i]);
+    sum[bin] += aligned.sum[i];
     weight[bin] += aligned.weight[i];
   }
-  std::array<float, 2 * kPhases + 1> sum_before{}, weight_before{};
+  Period period;
   for (std::size_t i = 0; i < 2 * kPhases; ++i) {
-    sum_before[i + 1] = sum_before[i] + sum[i % kPhases] / kLevels;
-    weight_before[i + 1] = weight_before[i] + weight[i % kPhases];
+    period.sum_before[i + 1] = period.sum_before[i] + sum[i % kPhases];
+    period.weight_before[i + 1] = period.weight_before[i] + weight[i % kPhases];
   }
-  const float total_sum = sum_before[kPhases], total_weight = weight_before[kPhases];
+  return period;
+}
+
+/// What a tooth of `width` phases explains from each first phase on. Contrast c between tooth and rest
+/// explains c^2 in out / total; written without the divisions that cancel.
+std::array<float, kPhases> explained_by_tooth(const Period& period, std::size_t width) {
+  const float total_sum = period.sum_before[kPhases], total_weight = period.weight_before[kPhases];
+  std::array<float, kPhases> score;
+  for (std::size_t first = 0; first < kPhases; ++first) {
+    const float in_sum = period.sum_before[first + width] - period.sum_before[first];
+    const float in_weight = period.weight_before[first + width] - period.weight_before[first];
+    const float excess = std::max(0.0F, in_sum * total_weight - total_sum * in_weight);
+    score[first] = excess * excess / (in_weight * (total_weight - in_weight) * total_weight + 1e-3F);
+  }
+  return score;
+}
+
+/// Folds an aligned sum over one spacing; the phase and width of the tooth that explain most.
+Folded fold(const Aligned& aligned, double bin_px, double spacing) {
+  const Period period = period_of(aligned, bin_px, spacing);
   Folded best;
   float best_score = 0.0F;
   for (const std::size_t width : {3, 6, 11, 17}) {
-    // Contrast c between tooth and rest explains c^2 in out / total; written without the divisions that
-    // cancel.
-    std::array<float, kPhases> score{};
-    for (std::size_t first = 0; first < kPhases; ++first) {
-      const float in_sum = sum_before[first + width] - sum_before[first];
-      const float in_weight = weight_before[first + width] - weight_before[first];
-      const float excess = std::max(0.0F, in_sum * total_weight - total_sum * in_weight);
-      score[first] = excess * excess / (in_weight * (total_weight - in_weight) * total_weight + 1e-3F);
-    }
+    const std::array<float, kPhases> score = explained_by_tooth(period, width);
     const auto top = std::max_element(score.begin(), score.end());
     if (*top <= best_score) continue;
     best_score = *top;
@@ -280,6 +308,11 @@ std::vector<Trial> coarse_search(const Strips& strips) {
     sheared.insert(sheared.end(), best.begin(), best.end());
     rectified.push_back(std::move(one));
   }
+  // Only where columns differ most is a fold worth its time.
+  constexpr std::size_t kFolded = 32;
+  std::sort(sheared.begin(), sheared.end(),
+            [](const Sheared& a, const Sheared& b) { return a.score > b.score; });
+  if (sheared.size() > kFolded) sheared.resize(kFolded);
   std::vector<Trial> trials;
   for (const Sheared& one : sheared) fold_all(strips, rectified[one.rectified], one, trials);
   std::sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.score > b.score; });

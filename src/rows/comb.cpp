@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 namespace furrow::rows {
 namespace {
 
-// Rows nearer than the first cannot be told apart in a map, from the second on they can: two samples a period
-// and some blur.
-constexpr float kLeastSpacingPx = 3.0F, kFullSpacingPx = 7.0F;
+/// From here on rows are told apart in full.
+constexpr float kFullSpacingPx = 7.0F;
 
 /// Peaks are limited softly at this many standard deviations, so that one weed does not outweigh a row.
 constexpr float kPeakSigmas = 3.0F;
@@ -21,6 +21,10 @@ constexpr int kMostRows = 12;
 int whole_below(float x) {
   const int whole = static_cast<int>(x);
   return whole - (static_cast<float>(whole) > x ? 1 : 0);
+}
+
+float fade_at(float spacing) {
+  return std::min(1.0F, (spacing - kLeastRowSpacingPx) / (kFullSpacingPx - kLeastRowSpacingPx));
 }
 
 void standardise(std::vector<float>& profile, int window, std::vector<float>& running) {
@@ -44,35 +48,109 @@ void standardise(std::vector<float>& profile, int window, std::vector<float>& ru
   }
 }
 
-/// out[u] = running sum at u + shift, linear between its entries.
-void shifted(const float* running, int width, float shift, float* out) {
-  const float limit = static_cast<float>(width - 1);
-  shift = std::clamp(shift, -limit, limit);
-  const float whole = std::floor(shift), part = shift - whole;
-  const float* from = running + static_cast<int>(whole);
-  for (int u = 0; u < width; ++u) out[u] = from[u] + part * (from[u + 1] - from[u]);
+/// How much greener a row at u is than what lies beside it, as a sum over the strip's running sum at
+/// u + from[i] with factor[i]; linear between entries, so every border of a band gives two places.
+///
+/// Half against the middles of both alleys (a trend cancels), half against all of the rest of the period (a
+/// comb of every second or third row does not pass). Outside the picture is the local mean, zero. Rows too
+/// close to be told apart fade away.
+struct Kernel {
+  static constexpr std::size_t kPlaces = 16;
+  std::array<int, kPlaces> from{};
+  std::array<float, kPlaces> factor{};
+};
+
+Kernel kernel_of(float spacing, float tooth, int width) {
+  Kernel kernel;
+  std::size_t n = 0;
+  const float farthest = static_cast<float>(width - 1);
+  const auto add = [&](float border, float factor) {
+    const float place = std::clamp(border + 0.5F, -farthest, farthest);  // the strip's padding ends there
+    const float whole = std::floor(place), part = place - whole;
+    kernel.from[n] = static_cast<int>(whole), kernel.factor[n++] = factor * (1.0F - part);
+    kernel.from[n] = static_cast<int>(whole) + 1, kernel.factor[n++] = factor * part;
+  };
+  const auto add_mean = [&](float middle, float half, float factor) {
+    add(middle + half, 0.5F * factor / half);
+    add(middle - half, -0.5F * factor / half);
+  };
+  const float gain = 0.5F * fade_at(spacing) * std::sqrt(tooth * (1.0F - tooth)),
+              per_rest = 1.0F / (1.0F - tooth);
+  const float apart = 0.5F * spacing, alley = std::min(tooth, 1.0F - tooth) * apart;
+  add_mean(0.0F, tooth * apart, gain * (1.0F + per_rest));
+  add_mean(0.0F, apart, -gain * per_rest);
+  add_mean(apart, alley, -0.5F * gain);
+  add_mean(-apart, alley, -0.5F * gain);
+  return kernel;
 }
 
-/// Means over [u + from, u + to] (px borders at +-0.5) and the part of them inside the picture, for every u
-/// of a strip.
-struct Bands {
-  std::vector<float> value, part, work;
-  explicit Bands(int width)
-      : value(static_cast<std::size_t>(width)), part(value.size()), work(value.size()) {}
-  void make(const float* running, const float* ramp, int width, float from, float to) {
-    const float per_length = 1.0F / (to - from);
-    shifted(running, width, to + 0.5F, value.data());
-    shifted(running, width, from + 0.5F, work.data());
-    for (std::size_t i = 0; i < value.size(); ++i) value[i] -= work[i];
-    shifted(ramp, width, to + 0.5F, part.data());
-    shifted(ramp, width, from + 0.5F, work.data());
-    for (std::size_t i = 0; i < value.size(); ++i) {
-      const float inside = part[i] - work[i];
-      value[i] /= inside + 1e-3F;
-      part[i] = inside * per_length;
+/// The kernel at every u of a strip; in blocks that stay in registers, the last one overlapping.
+void convolve(const float* running, const Kernel& kernel, int width, float* out) {
+  using Lanes [[gnu::vector_size(16)]] = float;
+  constexpr int kBlock = 16;
+  for (int u = 0; u < width; u += kBlock) {
+    const int at = std::max(0, std::min(u, width - kBlock));
+    std::array<Lanes, 4> sum{};
+    for (std::size_t i = 0; i < Kernel::kPlaces; ++i) {
+      std::array<Lanes, 4> in;
+      std::memcpy(in.data(), running + at + kernel.from[i], sizeof in);
+      for (std::size_t k = 0; k < 4; ++k) sum[k] += kernel.factor[i] * in[k];
     }
+    std::memcpy(out + at, sum.data(), std::min(sizeof sum, sizeof(float) * static_cast<std::size_t>(width)));
   }
-};
+}
+
+/// The same at one place between px.
+float convolve_at(const float* running, const Kernel& kernel, float u) {
+  const int i = static_cast<int>(u);
+  float here = 0.0F, next = 0.0F;
+  for (std::size_t n = 0; n < Kernel::kPlaces; ++n) {
+    const float* from = running + i + kernel.from[n];
+    here += kernel.factor[n] * from[0];
+    next += kernel.factor[n] * from[1];
+  }
+  return here + (u - static_cast<float>(i)) * (next - here);
+}
+
+/// Mean over strips of the weighted mean over the field's rows of what `on_strip(strip, spacing)` gives at
+/// them: a function of u in px, asked inside the picture only.
+template <class OnStrip>
+double mean_over_rows(const std::vector<float>& strip_v, int width, const PlanarField& field,
+                      const Emphasis& emphasis, const OnStrip& on_strip) {
+  const int middle = static_cast<int>(std::lround(field.k_at(field.u0, field.v0)));
+  std::array<float, 2 * kMostRows + 1> weight{};
+  for (int i = -kMostRows; i <= kMostRows; ++i) {
+    const double off = (middle + i - emphasis.centre_k) / emphasis.reach;
+    weight[static_cast<std::size_t>(i + kMostRows)] = static_cast<float>(1.0 / (1.0 + off * off));
+  }
+  float total = 0.0F;
+  const float right = static_cast<float>(width - 1), least = static_cast<float>(emphasis.least_scale);
+  const float g = static_cast<float>(field.convergence), spacing0 = static_cast<float>(field.spacing);
+  const float offset = static_cast<float>(field.offset + middle * field.spacing),
+              slope = static_cast<float>(field.slope);
+  const float bend = static_cast<float>(field.bend), bend2 = static_cast<float>(field.bend2),
+              u0 = static_cast<float>(field.u0);
+  const float v0 = static_cast<float>(field.v0), per_length = static_cast<float>(1.0 / field.length);
+  for (std::size_t j = 0; j < strip_v.size(); ++j) {
+    // PlanarField::u_at in single precision: this is the innermost loop of the search.
+    const float t = (strip_v[j] - v0) * per_length, scale = 1.0F + g * t;
+    const float spacing = spacing0 * scale;
+    if (scale < least || spacing <= kLeastRowSpacingPx) continue;
+    const float y = t / scale, centre = u0 + scale * (offset + y * (slope + y * (bend + y * bend2)));
+    const float per_spacing = 1.0F / spacing;
+    const int first = std::max(-kMostRows, -whole_below(centre * per_spacing));
+    const int last = std::min(kMostRows, whole_below((right - centre) * per_spacing));
+    const auto at = on_strip(j, spacing);
+    float sum = 0.0F, weights = 0.0F;
+    for (int i = first; i <= last; ++i) {
+      const float w = weight[static_cast<std::size_t>(i + kMostRows)];
+      sum += w * at(centre + static_cast<float>(i) * spacing);
+      weights += w;
+    }
+    if (weights > 0.0F) total += sum / weights;
+  }
+  return static_cast<double>(total) / static_cast<double>(std::max<std::size_t>(1, strip_v.size()));
+}
 
 }  // namespace
 
@@ -110,79 +188,35 @@ Response respond(const Strips& strips, const PlanarField& field, double tooth) {
   response.width = width;
   response.v = strips.v;
   response.value.assign(strips.count() * static_cast<std::size_t>(width), 0.0F);
-  response.fade.assign(strips.count(), 0.0F);
-  std::vector<float> ramp_store(strips.stride());
-  for (std::size_t i = 0; i < ramp_store.size(); ++i)
-    ramp_store[i] =
-        std::clamp(static_cast<float>(i) - static_cast<float>(width), 0.0F, static_cast<float>(width));
-  const float* ramp = ramp_store.data() + width;
-  Bands row(width), left(width), right(width), period(width);
-  const float part = static_cast<float>(tooth), gain = 0.5F * std::sqrt(part * (1.0F - part)),
-              per_rest = 1.0F / (1.0F - part);
   for (std::size_t j = 0; j < strips.count(); ++j) {
     const float spacing = static_cast<float>(field.spacing_at(static_cast<double>(strips.v[j])));
-    if (spacing <= kLeastSpacingPx) continue;
-    response.fade[j] = std::min(1.0F, (spacing - kLeastSpacingPx) / (kFullSpacingPx - kLeastSpacingPx));
-    const float half = 0.5F * part * spacing, apart = 0.5F * spacing;
-    const float alley = 0.5F * std::min(part, 1.0F - part) * spacing;  // half the width compared on each side
-    const float* running = strips.running(j);
-    row.make(running, ramp, width, -half, half);
-    left.make(running, ramp, width, -apart - alley, -apart + alley);
-    right.make(running, ramp, width, apart - alley, apart + alley);
-    period.make(running, ramp, width, -apart, apart);
-    float* line = response.value.data() + j * static_cast<std::size_t>(width);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(width); ++i) {
-      // Against the middles of both alleys (a trend cancels) and against all of the rest of the period (a
-      // comb of every second or third row does not pass), half each.
-      const float alleys = (left.value[i] * left.part[i] + right.value[i] * right.part[i]) /
-                           (left.part[i] + right.part[i] + 1e-3F);
-      line[i] = gain * ((row.value[i] - alleys) + (row.value[i] - period.value[i]) * per_rest) * row.part[i];
-    }
+    if (spacing <= kLeastRowSpacingPx) continue;
+    convolve(strips.running(j), kernel_of(spacing, static_cast<float>(tooth), width), width,
+             response.value.data() + j * static_cast<std::size_t>(width));
   }
   return response;
 }
 
 double comb_score(const Response& response, const PlanarField& field, const Emphasis& emphasis) {
-  const int middle = static_cast<int>(std::lround(field.k_at(field.u0, field.v0)));
-  std::array<float, 2 * kMostRows + 1> weight{};
-  for (int i = -kMostRows; i <= kMostRows; ++i) {
-    const double off = (middle + i - emphasis.centre_k) / emphasis.reach;
-    weight[static_cast<std::size_t>(i + kMostRows)] = static_cast<float>(1.0 / (1.0 + off * off));
-  }
-  float total = 0.0F;
-  const float right = static_cast<float>(response.width - 1),
-              least = static_cast<float>(emphasis.least_scale);
-  const float g = static_cast<float>(field.convergence), spacing0 = static_cast<float>(field.spacing);
-  const float offset = static_cast<float>(field.offset + middle * field.spacing),
-              slope = static_cast<float>(field.slope);
-  const float bend = static_cast<float>(field.bend), bend2 = static_cast<float>(field.bend2),
-              u0 = static_cast<float>(field.u0);
-  const float v0 = static_cast<float>(field.v0), per_length = static_cast<float>(1.0 / field.length);
-  for (std::size_t j = 0; j < response.v.size(); ++j) {
-    // PlanarField::u_at in single precision: this is the innermost loop of the search.
-    const float t = (response.v[j] - v0) * per_length, scale = 1.0F + g * t;
-    const float spacing = spacing0 * scale;
-    if (scale < least || response.fade[j] <= 0.0F || spacing <= kLeastSpacingPx) continue;
-    const float y = t / scale, centre = u0 + scale * (offset + y * (slope + y * (bend + y * bend2)));
-    const float per_spacing = 1.0F / spacing;
-    const int first = std::max(-kMostRows, -whole_below(centre * per_spacing));
-    const int last = std::min(kMostRows, whole_below((right - centre) * per_spacing));
-    float sum = 0.0F, weights = 0.0F;
-    for (int i = first; i <= last; ++i) {
-      const float w = weight[static_cast<std::size_t>(i + kMostRows)];
-      sum += w * response.at(j, centre + static_cast<float>(i) * spacing);
-      weights += w;
-    }
-    if (weights > 0.0F) total += response.fade[j] * sum / weights;
-  }
-  return static_cast<double>(total) / static_cast<double>(std::max<std::size_t>(1, response.v.size()));
+  return mean_over_rows(response.v, response.width, field, emphasis, [&](std::size_t j, float) {
+    return [&response, j](float u) { return response.at(j, u); };
+  });
+}
+
+double comb_score(const Strips& strips, const PlanarField& field, double tooth, const Emphasis& emphasis) {
+  return mean_over_rows(strips.v, strips.width, field, emphasis, [&](std::size_t j, float spacing) {
+    return [running = strips.running(j),
+            kernel = kernel_of(spacing, static_cast<float>(tooth), strips.width)](float u) {
+      return convolve_at(running, kernel, u);
+    };
+  });
 }
 
 double mean_row_count(const Strips& strips, const PlanarField& field) {
   double rows = 0.0, count = 0.0;
   for (const float v : strips.v) {
     const double spacing = field.spacing_at(static_cast<double>(v));
-    if (spacing < static_cast<double>(kLeastSpacingPx)) continue;
+    if (spacing < static_cast<double>(kLeastRowSpacingPx)) continue;
     rows += strips.width / spacing;
     count += 1.0;
   }

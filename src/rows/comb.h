@@ -7,6 +7,9 @@
 
 namespace furrow::rows {
 
+/// Rows nearer than this cannot be told apart in a map: two samples a period and some blur.
+constexpr float kLeastRowSpacingPx = 3.0F;
+
 /// Horizontal strips of a map, each a profile of greenness across it: local mean 0, variance 1, peaks
 /// limited.
 struct Strips {
@@ -37,7 +40,6 @@ struct Response {
   int width = 0;
   std::vector<float> v;
   std::vector<float> value;  ///< value[j * width + u]
-  std::vector<float> fade;   ///< per strip, 0 to 1: rows closer than a few map px cannot be told apart
 
   /// Nothing outside the picture.
   float at(std::size_t strip, float u) const {
@@ -52,6 +54,9 @@ Response respond(const Strips& strips, const PlanarField& field, double tooth);
 
 /// Mean over all strips of the mean response at the field's rows.
 double comb_score(const Response& response, const PlanarField& field, const Emphasis& emphasis);
+
+/// The same without a Response, for fields that are looked at once.
+double comb_score(const Strips& strips, const PlanarField& field, double tooth, const Emphasis& emphasis);
 
 /// Mean number of rows that a strip below the horizon shows.
 double mean_row_count(const Strips& strips, const PlanarField& field);

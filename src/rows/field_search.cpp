@@ -107,7 +107,7 @@ void strip_costs(const Response& response, std::size_t j, const PlanarField& fie
         weights += w;
       }
       Step& step = out[static_cast<std::size_t>(state_of(d, e))];
-      step.cost = weights > 0.0F ? -response.fade[j] * sum / weights : 0.0F;
+      step.cost = weights > 0.0F ? -sum / weights : 0.0F;
       step.from = -1;
     }
   }
@@ -154,7 +154,8 @@ FollowedField follow(const Response& response, const PlanarField& field, double 
   result.centre_k = centre_k;
   std::vector<std::size_t> used;  // from the bottom up
   for (std::size_t j = response.v.size(); j-- > 0;)
-    if (field.scale(static_cast<double>(response.v[j])) > kLeastScale && response.fade[j] > 0.0F)
+    if (const double v = static_cast<double>(response.v[j]);
+        field.scale(v) > kLeastScale && field.spacing_at(v) > static_cast<double>(kLeastRowSpacingPx))
       used.push_back(j);
   if (used.empty()) return result;
   std::vector<std::vector<Step>> table(used.size(), std::vector<Step>(kStates));
@@ -234,7 +235,7 @@ bool is_too_small(const GreenMap& map) {
 double best_tooth(const Strips& strips, const PlanarField& field) {
   double tooth = 0.3, score = -1.0;
   for (const double width : {0.12, 0.2, 0.3, 0.42, 0.55, 0.72}) {
-    const double one = comb_score(respond(strips, field, width), field, {});
+    const double one = comb_score(strips, field, width, {});
     if (one > score) score = one, tooth = width;
   }
   return tooth;
@@ -250,7 +251,7 @@ std::vector<FoundField> refine_trials(const Strips& strips, const std::vector<Tr
     one.tooth = std::clamp(trials[i].tooth, 0.2, 0.72);
     one.field = refine(respond(strips, trials[i].field, one.tooth), trials[i].field, {.least_scale = 0.3},
                        0.25, kTrialCalls, priors);
-    one.score = comb_score(respond(strips, one.field, one.tooth), one.field, {.least_scale = 0.1}) *
+    one.score = comb_score(strips, one.field, one.tooth, {.least_scale = 0.1}) *
                 evidence_part(mean_row_count(strips, one.field));
     found.push_back(one);
   }
@@ -269,8 +270,8 @@ void grow(const Strips& coarse, const Strips& strips, const SearchPriors& priors
   }
   found.tooth = best_tooth(coarse, found.field);
   found.field = refine(respond(strips, found.field, found.tooth), found.field, {}, 0.05, kCalls, priors);
-  found.score = comb_score(respond(strips, found.field, found.tooth), found.field, {}) *
-                evidence_part(mean_row_count(strips, found.field));
+  found.score =
+      comb_score(strips, found.field, found.tooth, {}) * evidence_part(mean_row_count(strips, found.field));
 }
 
 /// A field that shows rows only at every second of its places has half the true spacing. The mean responses
@@ -309,7 +310,7 @@ void settle(const Strips& strips, const SearchPriors& priors, FoundField& found)
   straight.bend = straight.bend2 = 0.0;
   starts.push_back(straight);
   const auto score = [&](const PlanarField& field) {
-    return comb_score(respond(strips, field, found.tooth), field, near) - bend_cost(field);
+    return comb_score(strips, field, found.tooth, near) - bend_cost(field);
   };
   found.field = direct;
   double best = score(direct);
@@ -338,7 +339,7 @@ std::optional<FoundField> continue_field(const GreenMap& map, const FoundField& 
     one.field.offset += moved * one.field.spacing;
     one.field = refine(respond(coarse, one.field, one.tooth), one.field, {.least_scale = 0.2}, 0.1,
                        kTrialCalls, priors);
-    one.score = comb_score(respond(coarse, one.field, one.tooth), one.field, {});
+    one.score = comb_score(coarse, one.field, one.tooth, {});
     if (one.score > best.score) best = one;
   }
   grow(coarse, fine, priors, best);
