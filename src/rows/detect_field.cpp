@@ -7,6 +7,7 @@
 #include "rows/field_search.h"
 #include "rows/green_map.h"
 #include "rows/index_rows.h"
+#include "rows/leaf_map.h"
 #include "rows/row_shape.h"
 
 namespace furrow::rows {
@@ -115,7 +116,8 @@ RowLines detect_field(const Image& picture, const DetectOptions& options) {
     if (row.samples.size() >= 2) lines.rows.push_back(std::move(row));
   }
   const bool is_fine = static_cast<double>(picture.width) * picture.height <= kSearchPixels;
-  shape_rows(is_fine ? map : green_map(picture, kShapePixels), model, lines.rows);
+  shape_rows(leaf_map(is_fine ? map : green_map(picture, kShapePixels), model, found->tooth), model,
+             lines.rows);
   index_rows(lines);
   if (lines.rows.empty()) return no_rows(lines, found->score, options.least_score);
   lines.status = "ok";

@@ -12,6 +12,13 @@ namespace {
 /// about the noise and chroma error of a small JPEG.
 constexpr float kDarkLevel = 30.0F;
 
+/// Shares from 0.1 to 0.7 in equal steps: all that leaves, soil, straw and sky have.
+int chroma_level(int channel, float per_sum) {
+  constexpr float kLow = 0.1F, kHigh = 0.7F, kPerShare = kChromaLevels / (kHigh - kLow);
+  const float level = (static_cast<float>(channel) * per_sum - kLow) * kPerShare;
+  return std::clamp(static_cast<int>(level), 0, kChromaLevels - 1);
+}
+
 cv::Mat reduced(const Image& picture, int width, int height) {
   const cv::Mat full(picture.height, picture.width, CV_8UC(picture.channels),
                      const_cast<std::uint8_t*>(picture.data.data()));
@@ -34,15 +41,20 @@ GreenMap green_map(const Image& picture, double most_pixels) {
   map.value.assign(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height), 0.0F);
   if (picture.channels != 3) return map;
   map.light.resize(map.value.size());
+  map.chroma.resize(map.value.size());
   const cv::Mat small = reduced(picture, map.width, map.height);
   for (int v = 0; v < map.height; ++v) {
     const std::uint8_t* in = small.ptr<std::uint8_t>(v);
     float* out = map.value.data() + static_cast<std::ptrdiff_t>(v) * map.width;
+    std::uint16_t* chroma = map.chroma.data() + static_cast<std::ptrdiff_t>(v) * map.width;
     std::uint16_t* light = map.light.data() + static_cast<std::ptrdiff_t>(v) * map.width;
     for (int u = 0; u < map.width; ++u, in += 3) {
       const int red = in[0], green = in[1], blue = in[2], sum = red + green + blue;
+      const float per_sum = 1.0F / (static_cast<float>(sum) + kDarkLevel);
       light[u] = static_cast<std::uint16_t>(sum);
-      out[u] = static_cast<float>(2 * green - red - blue) / (static_cast<float>(sum) + kDarkLevel);
+      out[u] = static_cast<float>(2 * green - red - blue) * per_sum;
+      chroma[u] = static_cast<std::uint16_t>(chroma_level(red, per_sum) * kChromaLevels +
+                                             chroma_level(green, per_sum));
     }
   }
   return map;

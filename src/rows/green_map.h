@@ -6,6 +6,10 @@
 
 namespace furrow::rows {
 
+/// Chromas are told apart by this many levels of red's and of green's share.
+inline constexpr int kChromaLevels = 64;
+inline constexpr int kChromaCells = kChromaLevels * kChromaLevels;
+
 /// How green a picture is, at a reduced size: chromatic excess green (2 G - R - B) / (R + G + B) (Woebbecke
 /// et al. 1995), which light and shadow change little.
 struct GreenMap {
@@ -13,6 +17,7 @@ struct GreenMap {
   double scale_u = 1.0, scale_v = 1.0;  ///< px of the picture per px of the map
   std::vector<float> value;             ///< width * height
   std::vector<std::uint16_t> light;     ///< R + G + B, same places; empty for a grey picture
+  std::vector<std::uint16_t> chroma;    ///< cell of the chroma, below kChromaCells; empty for a grey picture
 
   const float* row(int v) const { return value.data() + static_cast<std::ptrdiff_t>(v) * width; }
   /// Pixel (0, 0) is a pixel's centre in both.

@@ -15,6 +15,8 @@ struct DrawnField {
   double half_width = 0.2;      ///< of a row, spacings
   double ragged = 0.0;          ///< one-sigma of the edges along the row, spacings
   double noise = 6.0;           ///< one-sigma, grey levels
+  double grass = 0.0;           ///< half width of row and a strip of grass along it, spacings; 0: none
+  double leaf_contrast = 0.0;   ///< one-sigma of the light of a leaf, 4 px wide, relative
   double gaps = 0.0;            ///< part of the plants that are missing
   double light_gradient = 0.0;  ///< relative change of light from left to right
   std::uint64_t seed = 1;
@@ -24,7 +26,7 @@ struct DrawnField {
 /// sensor.
 inline Image draw(const DrawnField& drawn) {
   constexpr double kLeaf[] = {55.0, 105.0, 40.0}, kSoil[] = {150.0, 125.0, 95.0},
-                   kSky[] = {170.0, 195.0, 225.0};
+                   kSky[] = {170.0, 195.0, 225.0}, kGrass[] = {92.0, 120.0, 58.0};
   constexpr double kBox = 1.15;  // px: half of sqrt(12 (1/12 + 0.6^2))
   base::Random random(drawn.seed);
   Image picture = image::make_image(drawn.width, drawn.height, 3);
@@ -60,11 +62,20 @@ inline Image draw(const DrawnField& drawn) {
         }
       }
       cover = std::min(cover, 1.0);
+      bool is_grass = false;
+      if (scale > 0.01 && drawn.grass > 0.0) {
+        const double k = drawn.field.k_at(u, v);
+        is_grass = std::abs(k - std::round(k)) < drawn.grass;
+      }
+      base::Random leaf(
+          base::mix_bits(drawn.seed * 15485863 + static_cast<std::uint64_t>((v / 4) * 8192 + u / 4)));
+      const double leaf_light =
+          drawn.leaf_contrast > 0.0 ? std::exp(drawn.leaf_contrast * leaf.normal()) : 1.0;
       const double light = 1.0 + drawn.light_gradient * (u / (drawn.width - 1.0) - 0.5);
       for (int i = 0; i < 3; ++i) {
-        const double ground = scale > 0.01 ? kSoil[i] : kSky[i];
-        const double value =
-            light * (cover * kLeaf[i] + (1.0 - cover) * ground) + random.normal(0.0, drawn.noise);
+        const double ground = scale <= 0.01 ? kSky[i] : is_grass ? kGrass[i] : kSoil[i];
+        const double value = light * (cover * leaf_light * kLeaf[i] + (1.0 - cover) * ground) +
+                             random.normal(0.0, drawn.noise);
         picture.at(u, v)[i] = static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
       }
     }
