@@ -138,8 +138,8 @@ Eigen::MatrixXd intrinsics_jacobian(const ShotSystem& system, const ShotVector& 
       const auto projection = camera::project_with_jacobians(camera, line.points[i % 2].homogeneous());
       if (!projection) continue;
       // The pixel stays; the point on the unit plane moves against the intrinsics.
-      raw.row(i) =
-          -normal * Eigen::Matrix2d(projection->d_point.leftCols<2>()).inverse() * projection->d_intrinsics;
+      raw.row(i) = -normal * Eigen::Matrix2d(projection->d_point.leftCols<2>()).inverse() *
+                   projection->by_all_intrinsics(parameters);
     }
     jacobian.middleRows(at, block.rows.residuals()) = block.whitener.triangularView<Eigen::Lower>() * raw;
     at += block.rows.residuals();

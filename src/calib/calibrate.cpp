@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -134,37 +135,207 @@ Error solve_failed(const std::string& why) {
           "take pictures with the board tilted different ways, near and far, in all parts of the picture"};
 }
 
-/// First the focal length with two radial coefficients, then everything: a rational lens started from nothing
-/// finds false minima.
+/// Sets the solved camera and poses as the start of what follows.
+void take_over(Round& round, const Solved& solved, Camera& camera) {
+  if (!solved.shared.allFinite()) return;
+  camera = camera_of(round.model, solved.shared);
+  for (std::size_t i = 0; i < round.views.size(); ++i) round.views[i].pose = solved.poses[i];
+}
+
+/// The start of one stage only has to be near: the last stage goes to the end.
+constexpr double kStageTolerance = 1e-5;
+
+/// One stage of a lens with a formula: the first `coefficients` of it are solved.
+void solve_stage(const Job& job, int coefficients, Round& round, Camera& camera) {
+  FreeTerms free;
+  free.square_pixels = job.options.square_pixels || job.options.solve_aspect;
+  free.distortion = coefficients;
+  round.model = make_shared_model(camera, round.model.board, Eigen::Vector2d::Zero(), free);
+  take_over(
+      round,
+      solve(round.model, shared_of(round.model), round.views, {job.options.max_iterations, kStageTolerance}),
+      camera);
+}
+
+/// Root mean square residual of the views per coordinate, px.
+double residual_px(const Round& round) {
+  double squared = 0.0;
+  Eigen::Index count = 0;
+  const Eigen::VectorXd shared = shared_of(round.model);
+  for (const SolveView& view : round.views) {
+    Eigen::VectorXd residual(static_cast<Eigen::Index>(2 * view.seen.px.size()));
+    if (!evaluate_view(round.model, shared, view.pose, view.seen, view.weight, residual.data(), nullptr,
+                       nullptr))
+      return 0.0;
+    squared += residual.squaredNorm();
+    count += residual.size();
+  }
+  return std::sqrt(squared / static_cast<double>(std::max<Eigen::Index>(1, count)));
+}
+
+/// Weak knowledge of the coefficients beyond Brown-Conrady's: 0 with this sigma, in units of the noise. Where
+/// numerator and denominator of a rational lens cancel, nothing else holds them; a value of 1 costs a ninth
+/// of one residual.
+void add_coefficient_prior(Round& round) {
+  constexpr double kCoefficientSigma = 3.0;
+  constexpr std::size_t kBrown = 4 + 5;
+  if (round.model.camera.model == camera::CameraModel::fisheye ||
+      round.model.camera.distortion.size() + 4 <= kBrown)
+    return;
+  const double weight = residual_px(round) / kCoefficientSigma;
+  round.model.prior_weight = round.model.prior_mean = Eigen::VectorXd::Zero(round.model.count);
+  for (std::size_t i = kBrown; i < round.model.column.size() - kBoardTerms; ++i) {
+    if (round.model.column[i] >= 0) round.model.prior_weight[round.model.column[i]] = weight;
+  }
+}
+
+/// A lens with a formula. First the focal length with two radial coefficients, then Brown-Conrady's, then
+/// everything: a rational lens started from nothing finds false minima.
+Status solve_formula(const Job& job, const Start& start, Round& round) {
+  Camera camera = start.camera;
+  camera.model = job.options.model;
+  const int count = camera::distortion_count(job.options.model);
+  camera.distortion.assign(static_cast<std::size_t>(count), 0.0);
+  constexpr int kFirstCoefficients = 2, kBrownCoefficients = 5;
+  solve_stage(job, std::min(count, kFirstCoefficients), round, camera);
+  if (count > kBrownCoefficients) solve_stage(job, kBrownCoefficients, round, camera);
+  FreeTerms free;
+  free.square_pixels = job.options.square_pixels || job.options.solve_aspect;
+  free.distortion = count;
+  free.aspect = job.options.solve_aspect;
+  free.warp = job.options.solve_warp;
+  round.model = make_shared_model(camera, round.model.board, Eigen::Vector2d::Zero(), free);
+  add_coefficient_prior(round);
+  round.solved = solve(round.model, shared_of(round.model), round.views, {job.options.max_iterations});
+  return Done{};
+}
+
+/// Largest |x| and |y| on the stereographic plane that the picture's border reaches; rays that the lens lacks
+/// are left out.
+Eigen::Vector2d stereographic_reach(const Camera& camera) {
+  Eigen::Vector2d reach = Eigen::Vector2d::Zero();
+  constexpr int kPlaces = 16;
+  for (int i = 0; i <= kPlaces; ++i) {
+    const double u = (camera.width - 1.0) * i / kPlaces, v = (camera.height - 1.0) * i / kPlaces;
+    for (const Eigen::Vector2d& px : {Eigen::Vector2d(u, 0.0), Eigen::Vector2d(u, camera.height - 1.0),
+                                      Eigen::Vector2d(0.0, v), Eigen::Vector2d(camera.width - 1.0, v)}) {
+      const auto ray = camera::unproject_ray(camera, px);
+      if (ray && ray->z() > -0.9)
+        reach = reach.cwiseMax((ray->head<2>() * 2.0 / (1.0 + ray->z())).cwiseAbs());
+    }
+  }
+  return reach;
+}
+
+/// A grid of square meshes over all that the picture sees, with about nine corners to a knot.
+camera::SplineGrid grid_for(const Camera& seen, std::size_t corners) {
+  const Eigen::Vector2d reach = stereographic_reach(seen);
+  constexpr double kCornersPerKnot = 9.0, kFewest = 8.0, kMost = 16.0, kMargin = 1.05;
+  camera::SplineGrid grid;
+  const double fov_rad = 4.0 * std::atan(0.5 * kMargin * reach.x());
+  grid.fov_x_deg = std::clamp(static_cast<int>(std::ceil(fov_rad * 180.0 / std::numbers::pi)), 10, 340);
+  const double ratio = reach.y() / reach.x();
+  grid.columns = static_cast<int>(std::clamp(
+      std::round(std::sqrt(static_cast<double>(corners) / (kCornersPerKnot * ratio))), kFewest, kMost));
+  const double mesh = 4.0 * std::tan(grid.fov_x_deg * std::numbers::pi / 720.0) / (grid.columns - 3.0);
+  grid.rows = std::max(4, static_cast<int>(std::ceil(2.0 * kMargin * reach.y() / mesh)) + 3);
+  return grid;
+}
+
+/// The splined camera whose surface is that of `seen`: least squares over the stereographic plane, a linear
+/// problem, a touch of ridge for the knots beyond.
+Camera splined_like(const Camera& seen, const camera::SplineGrid& grid) {
+  Camera out = seen;
+  out.model = camera::CameraModel::splined_stereographic;
+  out.spline = grid;
+  out.distortion.assign(static_cast<std::size_t>(camera::distortion_count(out.model, grid)), 0.0);
+  out.covariance.resize(0, 0);
+  const Eigen::Index knots = grid.columns * grid.rows;
+  Eigen::MatrixXd normal = 1e-6 * Eigen::MatrixXd::Identity(knots, knots);
+  Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(knots, 2);
+  const double reach = 2.0 * std::tan(grid.fov_x_deg * std::numbers::pi / 720.0),
+               mesh = 2.0 * reach / (grid.columns - 3.0);
+  const double down = 0.5 * mesh * (grid.rows - 3.0);
+  constexpr int kPerMesh = 3;
+  for (double y = -down; y <= down; y += mesh / kPerMesh) {
+    for (double x = -reach; x <= reach; x += mesh / kPerMesh) {
+      const Eigen::Vector3d ray = Eigen::Vector3d(x, y, 1.0 - 0.25 * (x * x + y * y)).normalized();
+      const auto px = camera::project(seen, ray);
+      const auto back = px ? camera::unproject_ray(seen, *px) : std::nullopt;
+      // Beyond the fold of the formula there is nothing to imitate.
+      if (!back || (*back - ray).norm() > 1e-6) continue;
+      const auto at = camera::project_with_jacobians(out, ray);
+      const Eigen::Vector2d shift((px->x() - seen.cx) / seen.fx - x, (px->y() - seen.cy) / seen.fy - y);
+      for (Eigen::Index a = 4; a < at->d_intrinsics.cols(); a += 2) {
+        const Eigen::Index knot_a = (at->place[static_cast<std::size_t>(a)] - 4) / 2;
+        const double weight_a = at->d_intrinsics(0, a) / seen.fx;
+        right.row(knot_a) += weight_a * shift.transpose();
+        for (Eigen::Index b = 4; b < at->d_intrinsics.cols(); b += 2)
+          normal(knot_a, (at->place[static_cast<std::size_t>(b)] - 4) / 2) +=
+              weight_a * at->d_intrinsics(0, b) / seen.fx;
+      }
+    }
+  }
+  const Eigen::MatrixX2d values = normal.ldlt().solve(right);
+  for (Eigen::Index k = 0; k < knots; ++k) {
+    out.distortion[static_cast<std::size_t>(2 * k)] = values(k, 0);
+    out.distortion[static_cast<std::size_t>(2 * k + 1)] = values(k, 1);
+  }
+  return out;
+}
+
+/// A splined lens: a fisheye first, which bends to anything radial, then knots that start on its surface.
+/// They are free of it but for a prior that speaks where no corner does: there the surface stays near the
+/// fisheye's.
+Status solve_splined_lens(const Job& job, const Start& start, Round& round) {
+  Job first = job;
+  first.options.model = camera::CameraModel::fisheye;
+  first.options.solve_aspect = first.options.solve_warp = false;
+  FURROW_DO(solve_formula(first, start, round));
+  Camera seen = start.camera;
+  take_over(round, round.solved, seen);
+  if (!camera::validate(seen).ok()) return solve_failed("no fisheye to start the splines from");
+  std::size_t corners = 0;
+  for (const SolveView& view : round.views) corners += view.seen.px.size();
+  FreeTerms free;
+  free.core = false;
+  const Camera camera = splined_like(seen, grid_for(seen, corners));
+  free.distortion = static_cast<int>(camera.distortion.size());
+  free.warp = job.options.solve_warp;
+  const double noise_px = residual_px(round);
+  round.model = make_shared_model(camera, round.model.board, Eigen::Vector2d::Zero(), free);
+  // Knots within 0.02 of the fisheye's surface, one sigma: some 20 px at a focal length of 1000.
+  constexpr double kKnotSigma = 0.02;
+  round.model.prior_mean = shared_of(round.model);
+  round.model.prior_weight = Eigen::VectorXd::Constant(round.model.count, noise_px / kKnotSigma);
+  if (free.warp) round.model.prior_weight.tail<2>().setZero();
+  round.solved = solve(round.model, shared_of(round.model), round.views, {job.options.max_iterations});
+  return Done{};
+}
+
 Result<Round> solve_round(const Job& job, const std::vector<std::size_t>& order,
                           const std::vector<View>& views) {
+  using camera::CameraModel;
   std::vector<SeenCorners> corners;
   for (const std::size_t i : order)
     corners.push_back({job.detections[i].corner_ids, job.detections[i].corners_px});
-  const std::optional<Start> start = find_start(corners, job.board, job.width, job.height);
+  const CameraModel model = job.options.model;
+  const bool splined = model == CameraModel::splined_stereographic;
+  const bool wide = splined || model == CameraModel::fisheye || model == CameraModel::stereographic ||
+                    model == CameraModel::latlon;
+  const std::optional<Start> start = wide ? find_wide_start(corners, job.board, job.width, job.height,
+                                                            splined ? CameraModel::fisheye : model)
+                                          : find_start(corners, job.board, job.width, job.height);
   if (!start) return solve_failed("a board whose corners allow no pose (all in a line, or in one point)");
   Round round;
   round.order = order;
   round.views = solve_views(job, order, views, *start);
-  Camera camera = start->camera;
-  camera.model = job.options.model;
-  camera.distortion.assign(static_cast<std::size_t>(camera::distortion_count(job.options.model)), 0.0);
-  FreeTerms free;
-  free.square_pixels = job.options.square_pixels || job.options.solve_aspect;
-  const SolveOptions settings{job.options.max_iterations};
-  constexpr int kFirstCoefficients = 2;
-  free.distortion = kFirstCoefficients;
-  round.model = make_shared_model(camera, job.board, Eigen::Vector2d::Zero(), free);
-  const Solved first = solve(round.model, shared_of(round.model), round.views, settings);
-  if (first.shared.allFinite()) {
-    camera = camera_of(round.model, first.shared);
-    for (std::size_t i = 0; i < round.views.size(); ++i) round.views[i].pose = first.poses[i];
+  round.model.board = job.board;
+  if (splined) {
+    FURROW_DO(solve_splined_lens(job, *start, round));
+  } else {
+    FURROW_DO(solve_formula(job, *start, round));
   }
-  free.distortion = camera::distortion_count(job.options.model);
-  free.aspect = job.options.solve_aspect;
-  free.warp = job.options.solve_warp;
-  round.model = make_shared_model(camera, job.board, Eigen::Vector2d::Zero(), free);
-  round.solved = solve(round.model, shared_of(round.model), round.views, settings);
   if (!round.solved.converged)
     return solve_failed("the solver stopped without an answer: " + round.solved.termination);
   if (!camera::validate(camera_of(round.model, round.solved.shared)).ok()) {
@@ -265,10 +436,26 @@ Eigen::MatrixXd shared_covariance(const Information& information) {
   return scale.asDiagonal() * inverse * scale.asDiagonal();
 }
 
+/// The covariance of (shared, drift) as one of (intrinsics, drift).
+Eigen::MatrixXd lens_and_drift_covariance(const SharedModel& model, const Eigen::MatrixXd& covariance) {
+  const Eigen::Index n = model.intrinsics_count();
+  std::vector<Eigen::Index> from;
+  for (Eigen::Index i = 0; i < n; ++i) from.push_back(model.column[static_cast<std::size_t>(i)]);
+  for (Eigen::Index i = 0; i < 6; ++i) from.push_back(model.count + i);
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(n + 6, n + 6);
+  for (Eigen::Index i = 0; i < n + 6; ++i) {
+    for (Eigen::Index j = 0; j < n + 6; ++j) {
+      const Eigen::Index a = from[static_cast<std::size_t>(i)], b = from[static_cast<std::size_t>(j)];
+      if (a >= 0 && b >= 0) out(i, j) = covariance(a, b);
+    }
+  }
+  return out;
+}
+
 void fill_covariance(const Round& round, const CalibrateOptions& options, Calibration& out) {
   const Information info = information(round.model, round.solved, round.views);
   out.degrees_of_freedom =
-      info.residuals - static_cast<int>(round.model.basis.cols()) - 6 * static_cast<int>(round.views.size());
+      info.residuals - static_cast<int>(round.model.count) - 6 * static_cast<int>(round.views.size());
   out.sigma0_px = out.degrees_of_freedom > 0 ? std::sqrt(info.squared_sum / out.degrees_of_freedom) : kNan;
   const Eigen::MatrixXd shared = shared_covariance(info);
   if (shared.size() == 0 || !std::isfinite(out.sigma0_px)) {
@@ -276,19 +463,15 @@ void fill_covariance(const Round& round, const CalibrateOptions& options, Calibr
         "the pictures leave some combination of the parameters undetermined: no sigma can be given");
     return;
   }
-  for (std::size_t i = 0; i < round.order.size(); ++i) {
+  for (std::size_t i = 0; i < info.view_gain.size(); ++i) {
     out.views[round.order[i]].information = info.view_gain[i] / (out.sigma0_px * out.sigma0_px);
   }
-  const Eigen::MatrixXd full =
-      out.sigma0_px * out.sigma0_px * round.model.basis * shared * round.model.basis.transpose();
+  const Eigen::MatrixXd full = full_covariance(round.model, out.sigma0_px * out.sigma0_px * shared);
   const Eigen::Index n = round.model.intrinsics_count();
   // Equal both sides of the diagonal to the last bit, so that it reads back the same from rows or columns.
   out.camera.covariance = 0.5 * (full.topLeftCorner(n, n) + full.topLeftCorner(n, n).transpose());
-  Eigen::MatrixXd lens_and_drift = Eigen::MatrixXd::Zero(n + 6, shared.rows() + 6);
-  lens_and_drift.topLeftCorner(n, shared.rows()) = round.model.basis.topRows(n);
-  lens_and_drift.bottomRightCorner<6, 6>().setIdentity();
-  out.drift_covariance = out.sigma0_px * out.sigma0_px * lens_and_drift *
-                         drift_covariance(info, round.solved, shared) * lens_and_drift.transpose();
+  out.drift_covariance = out.sigma0_px * out.sigma0_px *
+                         lens_and_drift_covariance(round.model, drift_covariance(info, round.solved, shared));
   const Eigen::Vector2d warp_m = warp_of(round.model, round.solved.shared);
   if (options.solve_aspect) {
     out.board_aspect = {board_of(round.model, round.solved.shared).aspect, std::sqrt(full(n, n)),
@@ -354,6 +537,10 @@ Calibration summarize(const Job& job, const Round& round, std::vector<View> view
 Result<Calibration> calibrate(const std::vector<target::BoardDetection>& detections,
                               const target::BoardSpec& board, const CalibrateOptions& options) {
   FURROW_DO(target::validate(board));
+  if (options.solve_aspect && options.model == camera::CameraModel::splined_stereographic) {
+    return Error{"bad_option", "calibration", "a splined lens with the board's aspect free", "one of the two",
+                 "splines take up any stretch; measure the board"};
+  }
   std::vector<View> views;
   for (const target::BoardDetection& detection : detections) views.push_back(start_view(detection, board));
   Job job{detections, board, options};

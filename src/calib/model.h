@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "furrow/camera/camera.h"
@@ -11,19 +12,24 @@ namespace furrow::calib {
 /// The board's shape beside its counts and its square: what a solve may free.
 inline constexpr int kBoardTerms = 3;  ///< aspect, warp along x, warp along y
 
-/// How the free parameters that all views share make up a camera and a board: full = origin + basis * shared,
-/// with full = (fx, fy, cx, cy, distortion..., aspect, warp_x, warp_y).
+/// How the free parameters that all views share make up a camera and a board: each entry of full = (fx, fy,
+/// cx, cy, distortion..., aspect, warp_x, warp_y) is one of `shared`, or stays as it is.
 struct SharedModel {
   Camera camera;            ///< model and size; its intrinsics are replaced
   target::BoardSpec board;  ///< counts and square
-  Eigen::VectorXd origin;
-  Eigen::MatrixXd basis;
+  Eigen::VectorXd full;     ///< of what is not free
+  std::vector<int> column;  ///< place in `shared` of each entry of full; -1 where it is not free
+  Eigen::Index count = 0;   ///< of `shared`
+  /// Weak knowledge of `shared` beside the pictures: residuals prior_weight * (shared - prior_mean), px.
+  /// Empty for none.
+  Eigen::VectorXd prior_weight, prior_mean;
 
-  Eigen::Index intrinsics_count() const { return origin.size() - kBoardTerms; }
+  Eigen::Index intrinsics_count() const { return full.size() - kBoardTerms; }
 };
 
 /// Which of the full parameters a solve frees.
 struct FreeTerms {
+  bool core = true;            ///< fx, fy, cx, cy; a splined model's knots do their work
   bool square_pixels = false;  ///< fx and fy are one parameter
   bool aspect = false;
   bool warp = false;
@@ -35,6 +41,12 @@ struct FreeTerms {
 SharedModel make_shared_model(const Camera& camera, const target::BoardSpec& board,
                               const Eigen::Vector2d& warp_m, const FreeTerms& free);
 Eigen::VectorXd shared_of(const SharedModel& model);
+
+/// full, with what `shared` says put in.
+Eigen::VectorXd full_of(const SharedModel& model, const Eigen::VectorXd& shared);
+
+/// A covariance of `shared` as one of full, 0 for what is not free.
+Eigen::MatrixXd full_covariance(const SharedModel& model, const Eigen::MatrixXd& shared);
 
 /// What `shared` says.
 Camera camera_of(const SharedModel& model, const Eigen::VectorXd& shared);
@@ -67,6 +79,16 @@ inline int corner_id(const std::vector<int>& ids, std::size_t c) {
 bool evaluate_view(const SharedModel& model, const Eigen::VectorXd& shared, const PoseVector& pose,
                    const SeenCorners& seen, const std::vector<double>& weight, double* residual,
                    double* d_shared, double* d_pose);
+
+/// One corner of a splined camera by the patch it is held to.
+struct PatchCorner {
+  std::optional<camera::Projection> seen;
+  Eigen::Matrix<double, 2, 6> d_pose;
+  Eigen::Matrix2d d_warp;
+};
+PatchCorner evaluate_patch_corner(const SharedModel& model, const Camera& camera, const PoseVector& pose,
+                                  const Eigen::Vector2d& warp_m, int corner,
+                                  const camera::SplinePatch& patch);
 
 /// A corner of a warped board: z = warp_x (1 - x'^2) + warp_y (1 - y'^2) with x', y' from -1 to 1 across the
 /// corners (mrcal's calobject_warp).

@@ -15,9 +15,14 @@ struct SolveView {
 
 struct SolveOptions {
   int max_iterations = 200;
+  /// A step that lowers the cost by less than this share ends the solve.
+  double function_tolerance = 1e-12;
 };
 
-/// Least squares over all views. `shared` and the poses are the minimum's when `converged`.
+/// Least squares over all views and the prior, in Ceres. `shared` and the poses are the minimum's when
+/// `converged`. Of a splined camera the free parameters must be its knots, all of them, and perhaps the bend
+/// of the board: each corner is tied to the knots of its patch, and the problem is set up anew until no
+/// corner has left its patch.
 struct Solved {
   Eigen::VectorXd shared;
   std::vector<PoseVector> poses;
@@ -31,8 +36,11 @@ Solved solve(const SharedModel& model, const Eigen::VectorXd& start, const std::
 /// The Gauss-Newton normal matrix at a solution, with the poses eliminated view by view: linear in the number
 /// of views.
 struct Information {
-  Eigen::MatrixXd shared;  ///< of the shared parameters, poses counted in as unknown (Schur complement)
-  std::vector<Eigen::MatrixXd> view_gain;                          ///< each view's share of `shared`
+  /// Of the shared parameters, poses counted in as unknown (Schur complement), with the prior.
+  Eigen::MatrixXd shared;
+  /// Each view's share of `shared`; empty for more parameters than a lens has by formula, to bound the
+  /// memory.
+  std::vector<Eigen::MatrixXd> view_gain;
   std::vector<Eigen::Matrix<double, 6, 6>> pose_inverse;           ///< (B'B)^-1 of each view
   std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> pose_tie;  ///< (B'B)^-1 B'A of each view
   double squared_sum = 0.0;                                        ///< of the weighted residuals

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <Eigen/Dense>
 #include <limits>
+#include <numbers>
 
+#include "calib/pose.h"
 #include "furrow/target/homography.h"
 
 namespace furrow::calib {
@@ -64,15 +66,15 @@ std::vector<Eigen::Vector2d> focal_candidates(const std::vector<Eigen::Matrix3d>
 }
 
 /// Root mean square distance of the corners from where the start puts them, px; infinite when a pose is
-/// impossible.
-double start_rms_px(const Camera& camera, const std::vector<Eigen::Matrix3d>& homographies,
-                    const std::vector<SeenCorners>& views, const std::vector<Eigen::Vector3d>& corners,
-                    std::vector<Rigid3>& poses) {
+/// impossible. `pose_of(v)` gives the pose of view v, or nothing.
+template <class PoseOf>
+double start_rms_px(const Camera& camera, const PoseOf& pose_of, const std::vector<SeenCorners>& views,
+                    const std::vector<Eigen::Vector3d>& corners, std::vector<Rigid3>& poses) {
   double sum = 0.0;
   std::size_t count = 0;
   poses.clear();
-  for (std::size_t v = 0; v < homographies.size(); ++v) {
-    const auto pose = pose_from_homography(camera, homographies[v]);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const std::optional<Rigid3> pose = pose_of(v);
     if (!pose) return std::numeric_limits<double>::infinity();
     for (std::size_t c = 0; c < views[v].px.size(); ++c) {
       const auto id = static_cast<std::size_t>(corner_id(views[v].ids, c));
@@ -104,6 +106,43 @@ std::optional<Rigid3> pose_from_homography(const Camera& camera, const Eigen::Ma
   return Rigid3{Eigen::Quaterniond(rotation).normalized(), rays.col(2)};
 }
 
+namespace {
+
+Camera plain_camera(camera::CameraModel model, int width, int height, const Eigen::Vector2d& focal_px) {
+  Camera camera;
+  camera.model = model;
+  camera.width = width;
+  camera.height = height;
+  camera.fx = focal_px.x();
+  camera.fy = focal_px.y();
+  camera.cx = 0.5 * (width - 1);
+  camera.cy = 0.5 * (height - 1);
+  camera.distortion.assign(static_cast<std::size_t>(camera::distortion_count(model)), 0.0);
+  return camera;
+}
+
+/// The candidate that reprojects best; `pose_of(camera, v)` as above.
+template <class PoseOf>
+std::optional<Start> best_start(const std::vector<Camera>& candidates, const PoseOf& pose_of,
+                                const std::vector<SeenCorners>& views, const target::BoardSpec& board) {
+  const std::vector<Eigen::Vector3d> corners = target::corners_in_board(board);
+  Start best;
+  double best_rms_px = std::numeric_limits<double>::infinity();
+  for (const Camera& camera : candidates) {
+    Start start{camera, {}};
+    const double rms_px = start_rms_px(
+        camera, [&](std::size_t v) { return pose_of(camera, v); }, views, corners, start.cam_from_board);
+    if (rms_px < best_rms_px) {
+      best_rms_px = rms_px;
+      best = std::move(start);
+    }
+  }
+  if (!std::isfinite(best_rms_px)) return std::nullopt;
+  return best;
+}
+
+}  // namespace
+
 std::optional<Start> find_start(const std::vector<SeenCorners>& views, const target::BoardSpec& board,
                                 int width, int height) {
   const std::vector<Eigen::Vector3d> corners = target::corners_in_board(board);
@@ -113,24 +152,26 @@ std::optional<Start> find_start(const std::vector<SeenCorners>& views, const tar
     if (!h) return std::nullopt;
     homographies.push_back(*h);
   }
-  Start best;
-  double best_rms_px = std::numeric_limits<double>::infinity();
-  for (const Eigen::Vector2d& focal : focal_candidates(homographies, width, height)) {
-    Start start;
-    start.camera.width = width;
-    start.camera.height = height;
-    start.camera.fx = focal.x();
-    start.camera.fy = focal.y();
-    start.camera.cx = 0.5 * (width - 1);
-    start.camera.cy = 0.5 * (height - 1);
-    const double rms_px = start_rms_px(start.camera, homographies, views, corners, start.cam_from_board);
-    if (rms_px < best_rms_px) {
-      best_rms_px = rms_px;
-      best = std::move(start);
-    }
+  std::vector<Camera> candidates;
+  for (const Eigen::Vector2d& focal : focal_candidates(homographies, width, height))
+    candidates.push_back(plain_camera(camera::CameraModel::pinhole, width, height, focal));
+  const auto pose = [&](const Camera& camera, std::size_t v) {
+    return pose_from_homography(camera, homographies[v]);
+  };
+  return best_start(candidates, pose, views, board);
+}
+
+std::optional<Start> find_wide_start(const std::vector<SeenCorners>& views, const target::BoardSpec& board,
+                                     int width, int height, camera::CameraModel model) {
+  std::vector<Camera> candidates;
+  for (const double fov_deg : {230.0, 200.0, 180.0, 160.0, 140.0, 120.0, 100.0, 80.0, 60.0, 40.0, 20.0}) {
+    const double focal_px = width / (fov_deg * std::numbers::pi / 180.0);
+    candidates.push_back(plain_camera(model, width, height, {focal_px, focal_px}));
   }
-  if (!std::isfinite(best_rms_px)) return std::nullopt;
-  return best;
+  const auto pose = [&](const Camera& camera, std::size_t v) {
+    return pose_from_corners(camera, board, views[v]);
+  };
+  return best_start(candidates, pose, views, board);
 }
 
 }  // namespace furrow::calib

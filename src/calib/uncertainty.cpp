@@ -11,15 +11,14 @@ std::optional<Eigen::Matrix2d> projection_covariance(const Calibration& calibrat
   const Camera& camera = calibration.camera;
   const Eigen::Index n = camera.covariance.rows();
   if (n == 0 || calibration.drift_covariance.rows() != n + 6 || !(distance_m > 0.0)) return std::nullopt;
-  const auto on_unit_plane = camera::unproject(camera, px);
-  if (!on_unit_plane) return std::nullopt;
-  const Eigen::Vector3d way = on_unit_plane->homogeneous().normalized();
+  const auto way = camera::unproject_ray(camera, px);
+  if (!way) return std::nullopt;
   const bool finite = std::isfinite(distance_m);
-  const Eigen::Vector3d x = finite ? Eigen::Vector3d(way * distance_m) : way;
+  const Eigen::Vector3d x = finite ? Eigen::Vector3d(*way * distance_m) : *way;
   const auto seen = camera::project_with_jacobians(camera, x);
   if (!seen) return std::nullopt;
   Eigen::Matrix<double, 2, Eigen::Dynamic> by(2, n + 6);
-  by.leftCols(n) = seen->d_intrinsics;
+  by.leftCols(n) = seen->by_all_intrinsics(n);
   for (int i = 0; i < 3; ++i) by.col(n + i) = seen->d_point * Eigen::Vector3d::Unit(i).cross(x);
   // A direction does not move when the boards shift.
   if (finite) {

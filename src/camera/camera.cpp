@@ -3,10 +3,11 @@
 #include <array>
 #include <cmath>
 #include <Eigen/LU>
-#include <limits>
+#include <numbers>
 #include <utility>
 
 #include "camera/distort.h"
+#include "camera/wide.h"
 #include "furrow/base/text.h"
 
 namespace furrow::camera {
@@ -17,11 +18,16 @@ struct ModelEntry {
   const char* name;
   int distortion_count;
 };
-constexpr std::array<ModelEntry, 5> kModels{{{CameraModel::pinhole, "pinhole", 0},
-                                             {CameraModel::opencv4, "opencv4", 4},
-                                             {CameraModel::opencv5, "opencv5", 5},
-                                             {CameraModel::opencv8, "opencv8", 8},
-                                             {CameraModel::opencv12, "opencv12", 12}}};
+constexpr std::array<ModelEntry, 9> kModels{
+    {{CameraModel::pinhole, "pinhole", 0},
+     {CameraModel::opencv4, "opencv4", 4},
+     {CameraModel::opencv5, "opencv5", 5},
+     {CameraModel::opencv8, "opencv8", 8},
+     {CameraModel::opencv12, "opencv12", 12},
+     {CameraModel::fisheye, "fisheye", 4},
+     {CameraModel::stereographic, "stereographic", 0},
+     {CameraModel::latlon, "latlon", 0},
+     {CameraModel::splined_stereographic, "splined_stereographic", 0}}};
 
 const ModelEntry& entry(CameraModel model) {
   for (const ModelEntry& e : kModels) {
@@ -30,72 +36,11 @@ const ModelEntry& entry(CameraModel model) {
   throw base::CheckFailure("camera model without an entry");
 }
 
-/// How near a projection must come to the pixel that was asked for, px.
-constexpr double kConvergedPx = 1e-9;
-
-/// Distance on the unit plane whose radial distortion gives `distorted`; nothing when none below the fold
-/// does.
-std::optional<double> invert_radial(const Coefficients& k, double distorted, double fold) {
-  double low = 0.0, high = std::isfinite(fold) ? fold : std::max(1.0, distorted);
-  if (!std::isfinite(fold)) {
-    constexpr double kFarthestRadius = 1e9;
-    while (radial(k, high) < distorted && high < kFarthestRadius) high *= 2.0;
-  }
-  if (!(radial(k, high) >= distorted)) return std::nullopt;
-  // A few halvings put Newton's method in two dimensions within its reach; 60 would give the last bit.
-  constexpr int kHalvings = 24;
-  for (int i = 0; i < kHalvings; ++i) {
-    const double middle = 0.5 * (low + high);
-    (radial(k, middle) < distorted ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
-}
-
-/// Newton's method with step halving; nothing when it does not reach `wanted` (within kConvergedPx).
-std::optional<Eigen::Vector2d> newton(const Camera& camera, const Coefficients& k,
-                                      const Eigen::Vector2d& wanted, Eigen::Vector2d xy) {
-  const Eigen::Vector2d focal(camera.fx, camera.fy);
-  constexpr int kMaxSteps = 60;
-  for (int step = 0; step < kMaxSteps; ++step) {
-    const Eigen::Vector2d residual = wanted - distort(k, xy);
-    const double miss_px = residual.cwiseProduct(focal).norm();
-    // Below the promise by a margin, above the rounding of pixel numbers in the thousands.
-    if (miss_px < 1e-2 * kConvergedPx) return xy;
-    const Eigen::Vector2d delta = distort_jacobian(k, xy).inverse() * residual;
-    if (!delta.allFinite()) return std::nullopt;
-    double share = 1.0;
-    constexpr double kSmallestShare = 1e-6;
-    while (share > kSmallestShare && !((wanted - distort(k, xy + share * delta)).norm() < residual.norm()))
-      share *= 0.5;
-    if (share <= kSmallestShare) return miss_px < kConvergedPx ? std::optional(xy) : std::nullopt;
-    xy += share * delta;
-  }
-  return std::nullopt;
-}
-
-/// Whether the model keeps its orientation all the way from the axis to xy, so that xy lies on the sheet that
-/// a lens can show.
-bool unfolded_from_axis(const Coefficients& k, const Eigen::Vector2d& xy) {
-  constexpr int kSamples = 8;
-  for (int i = 1; i <= kSamples; ++i) {
-    if (!(distort_jacobian(k, xy * (static_cast<double>(i) / kSamples)).determinant() > 0.0)) return false;
-  }
-  return true;
-}
-
-/// By the radial inverse below the fold, which is found for this call: the slow and sure way.
-std::optional<Eigen::Vector2d> unproject_below_fold(const Camera& camera, const Coefficients& k,
-                                                    const Eigen::Vector2d& wanted) {
-  const double fold = radial_fold(k), distorted = wanted.norm();
-  // Near the fold the tangential terms may carry a pixel across the radial limit: start just inside and let
-  // Newton decide.
-  constexpr double kJustInside = 0.98;
-  const std::optional<double> r = invert_radial(k, distorted, fold);
-  if (!r && !std::isfinite(fold)) return std::nullopt;
-  const double share = distorted > 0.0 ? r.value_or(kJustInside * fold) / distorted : 1.0;
-  const std::optional<Eigen::Vector2d> xy = newton(camera, k, wanted, wanted * share);
-  if (!xy || !unfolded_from_axis(k, *xy)) return std::nullopt;
-  return xy;
+/// As many knots as a patch needs, and no more than a lens could ever want.
+bool is_possible(const SplineGrid& grid) {
+  constexpr int kMostKnots = 1000;
+  return (grid.order == 2 || grid.order == 3) && std::min(grid.columns, grid.rows) > grid.order &&
+         std::max(grid.columns, grid.rows) <= kMostKnots && grid.fov_x_deg >= 1 && grid.fov_x_deg < 360;
 }
 
 std::optional<std::string> invalid_field(const Camera& camera) {
@@ -107,7 +52,9 @@ std::optional<std::string> invalid_field(const Camera& camera) {
   }
   if (!(camera.fx > 0.0)) return "fx";
   if (!(camera.fy > 0.0)) return "fy";
-  if (static_cast<int>(camera.distortion.size()) != distortion_count(camera.model))
+  if (camera.model == CameraModel::splined_stereographic && !is_possible(camera.spline))
+    return "grid of knots";
+  if (static_cast<int>(camera.distortion.size()) != distortion_count(camera.model, camera.spline))
     return "distortion (count)";
   for (const double k : camera.distortion) {
     if (!std::isfinite(k)) return "distortion";
@@ -121,8 +68,9 @@ std::optional<std::string> invalid_field(const Camera& camera) {
 
 }  // namespace
 
-int distortion_count(CameraModel model) {
-  return entry(model).distortion_count;
+int distortion_count(CameraModel model, const SplineGrid& grid) {
+  return model == CameraModel::splined_stereographic ? 2 * grid.columns * grid.rows
+                                                     : entry(model).distortion_count;
 }
 
 std::string model_name(CameraModel model) {
@@ -136,6 +84,19 @@ std::optional<CameraModel> model_from_name(const std::string& name) {
   return std::nullopt;
 }
 
+std::string model_names() {
+  std::string out;
+  for (const ModelEntry& e : kModels) out += (out.empty() ? "" : ", ") + std::string(e.name);
+  return out;
+}
+
+Eigen::Matrix2Xd Projection::by_all_intrinsics(Eigen::Index count) const {
+  Eigen::Matrix2Xd out = Eigen::Matrix2Xd::Zero(2, count);
+  for (Eigen::Index i = 0; i < d_intrinsics.cols(); ++i)
+    out.col(place[static_cast<std::size_t>(i)]) = d_intrinsics.col(i);
+  return out;
+}
+
 Eigen::VectorXd intrinsics(const Camera& camera) {
   Eigen::VectorXd out(4 + static_cast<Eigen::Index>(camera.distortion.size()));
   out.head<4>() << camera.fx, camera.fy, camera.cx, camera.cy;
@@ -145,7 +106,7 @@ Eigen::VectorXd intrinsics(const Camera& camera) {
 }
 
 Camera with_intrinsics(Camera camera, const Eigen::VectorXd& values) {
-  check(values.size() == 4 + distortion_count(camera.model),
+  check(values.size() == 4 + distortion_count(camera.model, camera.spline),
         "with_intrinsics: count of values does not fit the model");
   camera.fx = values[0];
   camera.fy = values[1];
@@ -155,70 +116,114 @@ Camera with_intrinsics(Camera camera, const Eigen::VectorXd& values) {
   return camera;
 }
 
+std::vector<std::string> intrinsic_names(const Camera& camera) {
+  std::vector<std::string> out{"fx", "fy", "cx", "cy"};
+  if (camera.model == CameraModel::splined_stereographic) {
+    for (int j = 0; j < camera.spline.rows; ++j) {
+      for (int i = 0; i < camera.spline.columns; ++i) {
+        const std::string place = "(" + std::to_string(i) + "," + std::to_string(j) + ")";
+        out.push_back("x" + place);
+        out.push_back("y" + place);
+      }
+    }
+    return out;
+  }
+  const std::vector<std::string> plane{"k1", "k2", "p1", "p2", "k3", "k4",
+                                       "k5", "k6", "s1", "s2", "s3", "s4"};
+  const std::vector<std::string> angle{"k1", "k2", "k3", "k4"};
+  const std::vector<std::string>& names = camera.model == CameraModel::fisheye ? angle : plane;
+  const auto count = std::min<std::size_t>(camera.distortion.size(), names.size());
+  out.insert(out.end(), names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count));
+  return out;
+}
+
 Status validate(const Camera& camera) {
   const std::optional<std::string> field = invalid_field(camera);
   if (!field) return Done{};
   return Error{"camera_invalid", *field, "a camera with an impossible " + *field,
                "a positive image size, finite values, focal lengths above 0 and " +
-                   std::to_string(distortion_count(camera.model)) + " distortion coefficients for " +
-                   model_name(camera.model),
+                   std::to_string(distortion_count(camera.model, camera.spline)) +
+                   " distortion coefficients for " + model_name(camera.model),
                ""};
 }
 
-std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& x_in_cam) {
-  if (!(x_in_cam.z() > 0.0)) return std::nullopt;
-  const Eigen::Vector2d xy = distort(coefficients(camera), x_in_cam.head<2>() / x_in_cam.z());
+namespace {
+
+/// A point that has been through the lens, as a pixel; nothing when it is not finite.
+std::optional<Eigen::Vector2d> pixel(const Camera& camera, const Eigen::Vector2d& xy) {
   const Eigen::Vector2d px(camera.fx * xy.x() + camera.cx, camera.fy * xy.y() + camera.cy);
   if (!px.allFinite()) return std::nullopt;
   return px;
 }
 
-std::optional<Projection> project_with_jacobians(const Camera& camera, const Eigen::Vector3d& x_in_cam) {
+/// The lens at a point in cam, whichever kind of model it is.
+std::optional<Bent> lens_at(const Camera& camera, const Eigen::Vector3d& x_in_cam) {
+  if (!is_on_unit_plane(camera.model)) return bend(camera, x_in_cam);
   if (!(x_in_cam.z() > 0.0)) return std::nullopt;
   const double z_inverse = 1.0 / x_in_cam.z();
   const Eigen::Vector2d unit = x_in_cam.head<2>() * z_inverse;
   const Distorted at = distort_with_jacobians(coefficients(camera), unit);
-  const Eigen::Vector2d focal(camera.fx, camera.fy);
-  Projection out;
-  out.px = at.xy.cwiseProduct(focal) + Eigen::Vector2d(camera.cx, camera.cy);
-  if (!out.px.allFinite()) return std::nullopt;
-  const Eigen::Matrix2d d_unit = focal.asDiagonal() * at.d_xy;
-  out.d_point.leftCols<2>() = d_unit * z_inverse;
-  out.d_point.col(2) = -(d_unit * unit) * z_inverse;
-  const Eigen::Index n = static_cast<Eigen::Index>(camera.distortion.size());
-  out.d_intrinsics.setZero(2, 4 + n);
-  out.d_intrinsics(0, 0) = at.xy.x();
-  out.d_intrinsics(1, 1) = at.xy.y();
-  out.d_intrinsics(0, 2) = 1.0;
-  out.d_intrinsics(1, 3) = 1.0;
-  if (n > 0) out.d_intrinsics.rightCols(n) = focal.asDiagonal() * at.d_coefficients.leftCols(n);
+  Bent out;
+  out.xy = at.xy;
+  out.d_point.leftCols<2>() = at.d_xy * z_inverse;
+  out.d_point.col(2) = -(at.d_xy * unit) * z_inverse;
+  const auto n = static_cast<Eigen::Index>(camera.distortion.size());
+  out.d_coefficients = at.d_coefficients.leftCols(n);
+  for (int i = 0; i < n; ++i) out.place[static_cast<std::size_t>(i)] = i;
   return out;
 }
 
+}  // namespace
+
+std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& x_in_cam) {
+  if (!is_on_unit_plane(camera.model)) {
+    const std::optional<Bent> at = bend(camera, x_in_cam);
+    return at ? pixel(camera, at->xy) : std::nullopt;
+  }
+  if (!(x_in_cam.z() > 0.0)) return std::nullopt;
+  return pixel(camera, distort(coefficients(camera), x_in_cam.head<2>() / x_in_cam.z()));
+}
+
+namespace {
+
+std::optional<Projection> projection(const Camera& camera, const std::optional<Bent>& at) {
+  const std::optional<Eigen::Vector2d> px = at ? pixel(camera, at->xy) : std::nullopt;
+  if (!px) return std::nullopt;
+  const Eigen::Vector2d focal(camera.fx, camera.fy);
+  Projection out;
+  out.px = *px;
+  out.d_point = focal.asDiagonal() * at->d_point;
+  const Eigen::Index n = at->d_coefficients.cols();
+  out.d_intrinsics.setZero(2, 4 + n);
+  out.d_intrinsics(0, 0) = at->xy.x();
+  out.d_intrinsics(1, 1) = at->xy.y();
+  out.d_intrinsics(0, 2) = 1.0;
+  out.d_intrinsics(1, 3) = 1.0;
+  if (n > 0) out.d_intrinsics.rightCols(n) = focal.asDiagonal() * at->d_coefficients;
+  for (int i = 0; i < 4; ++i) out.place[static_cast<std::size_t>(i)] = i;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) out.place[4 + i] = 4 + at->place[i];
+  return out;
+}
+
+}  // namespace
+
+std::optional<Projection> project_with_jacobians(const Camera& camera, const Eigen::Vector3d& x_in_cam) {
+  return projection(camera, lens_at(camera, x_in_cam));
+}
+
+std::optional<Projection> project_by_patch(const Camera& camera, const Eigen::Vector3d& x_in_cam,
+                                           const SplinePatch& patch) {
+  return projection(camera, bend_by_patch(camera, x_in_cam, patch));
+}
+
 std::optional<double> fold_radius(const Camera& camera) {
+  if (camera.model == CameraModel::fisheye) {
+    const double fold_rad = fisheye_fold_rad(camera);
+    return fold_rad < 0.5 * std::numbers::pi ? std::optional(std::tan(fold_rad)) : std::nullopt;
+  }
+  if (!is_on_unit_plane(camera.model)) return std::nullopt;
   const double fold = radial_fold(coefficients(camera));
   return std::isfinite(fold) ? std::optional(fold) : std::nullopt;
-}
-
-std::optional<Eigen::Vector2d> unproject(const Camera& camera, const Eigen::Vector2d& px) {
-  const Coefficients k = coefficients(camera);
-  const Eigen::Vector2d wanted((px.x() - camera.cx) / camera.fx, (px.y() - camera.cy) / camera.fy);
-  if (!wanted.allFinite()) return std::nullopt;
-  if (k.isZero(0.0)) return wanted;
-  // Newton from the pixel itself is right nearly everywhere; only where that cannot be shown is the fold
-  // looked for.
-  const std::optional<Eigen::Vector2d> quick = newton(camera, k, wanted, wanted);
-  if (quick && surely_grows_to(k, quick->norm()) && unfolded_from_axis(k, *quick)) return quick;
-  return unproject_below_fold(camera, k, wanted);
-}
-
-std::optional<Eigen::Matrix2d> unproject_jacobian(const Camera& camera,
-                                                  const Eigen::Vector2d& on_unit_plane) {
-  if (!on_unit_plane.allFinite()) return std::nullopt;
-  const Distorted at = distort_with_jacobians(coefficients(camera), on_unit_plane);
-  const Eigen::Matrix2d d_px = Eigen::Vector2d(camera.fx, camera.fy).asDiagonal() * at.d_xy;
-  if (!(d_px.determinant() > 0.0)) return std::nullopt;
-  return d_px.inverse();
 }
 
 Camera resize_camera(const Camera& camera, int width, int height) {
@@ -263,6 +268,11 @@ Result<Camera> carry_camera(const Camera& camera, int width, int height) {
                  "a crop's place is not in the picture: calibrate with pictures of this size"};
   }
   return resize_camera(camera, width, height);
+}
+
+Eigen::Vector2d focal_on_axis_px(const Camera& camera) {
+  const auto at = project_with_jacobians(camera, Eigen::Vector3d::UnitZ());
+  return at ? Eigen::Vector2d(at->d_point(0, 0), at->d_point(1, 1)) : Eigen::Vector2d(camera.fx, camera.fy);
 }
 
 double focal_length_mm(double focal_px, double sensor_width_mm, int image_width_px) {

@@ -65,8 +65,8 @@ double expected_rms_px(const Camera& a, const Camera& b, const std::vector<Place
     const auto in_b = project_with_jacobians(b, places[i].ray);
     if (!in_a || !in_b) return kNan;
     turn.middleRows<2>(static_cast<Eigen::Index>(2 * i)) = by_turn(*in_a, places[i].ray);
-    by_a.middleRows<2>(static_cast<Eigen::Index>(2 * i)) = in_a->d_intrinsics;
-    by_b.middleRows<2>(static_cast<Eigen::Index>(2 * i)) = in_b->d_intrinsics;
+    by_a.middleRows<2>(static_cast<Eigen::Index>(2 * i)) = in_a->by_all_intrinsics(n);
+    by_b.middleRows<2>(static_cast<Eigen::Index>(2 * i)) = in_b->by_all_intrinsics(m);
   }
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(turn);
   const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(rows, 3);
@@ -97,9 +97,8 @@ Result<CameraDifference> compare_cameras(const Camera& a, const Camera& b, int c
     for (int i = 0; i < columns; ++i) {
       const Eigen::Vector2d px((i + 0.5) * a.width / columns - 0.5, (j + 0.5) * a.height / rows - 0.5);
       out.at_px.push_back(px);
-      const auto xy = unproject(a, px);
-      if (xy && unproject(b, px))
-        places.push_back({out.at_px.size() - 1, px, xy->homogeneous().normalized()});
+      const auto ray = unproject_ray(a, px);
+      if (ray && unproject_ray(b, px)) places.push_back({out.at_px.size() - 1, px, *ray});
     }
   }
   out.difference_px.assign(out.at_px.size(), Eigen::Vector2d::Constant(kNan));

@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "camera/polynomial.h"
+
 namespace furrow::camera {
 namespace {
 
@@ -27,42 +29,22 @@ Radial radial_terms(const Coefficients& k, double s) {
   return out;
 }
 
-/// c[0] + c[1] s + ...
-using Polynomial = std::vector<double>;
-
-double evaluate(const Polynomial& c, double s) {
-  double sum = 0.0;
-  for (auto it = c.rbegin(); it != c.rend(); ++it) sum = sum * s + *it;
-  return sum;
+Eigen::Vector2d distort(const Coefficients& k, const Eigen::Vector2d& xy, double a) {
+  const double x = xy.x(), y = xy.y(), s = xy.squaredNorm();
+  return {x * a + 2.0 * k[p1] * x * y + k[p2] * (s + 2.0 * x * x) + s * (k[s1] + s * k[s2]),
+          y * a + k[p1] * (s + 2.0 * y * y) + 2.0 * k[p2] * x * y + s * (k[s3] + s * k[s4])};
 }
 
-double bisect(const Polynomial& c, double low, double high) {
-  const bool low_positive = evaluate(c, low) > 0.0;
-  // 200 halvings pass the spacing of doubles from any start.
-  for (int i = 0; i < 200 && low < high; ++i) {
-    const double middle = 0.5 * (low + high);
-    if (middle <= low || middle >= high) break;
-    ((evaluate(c, middle) > 0.0) == low_positive ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
-}
-
-/// Real roots in (0, limit) in rising order, found between those of the derivative, where the polynomial is
-/// monotone.
-std::vector<double> roots_within(const Polynomial& c, double limit) {
-  if (c.size() < 2) return {};
-  Polynomial derivative(c.size() - 1);
-  for (std::size_t i = 1; i < c.size(); ++i) derivative[i - 1] = static_cast<double>(i) * c[i];
-  std::vector<double> knots = roots_within(derivative, limit);
-  knots.insert(knots.begin(), 0.0);
-  knots.push_back(limit);
-  std::vector<double> roots;
-  for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
-    if ((evaluate(c, knots[i]) > 0.0) != (evaluate(c, knots[i + 1]) > 0.0)) {
-      roots.push_back(bisect(c, knots[i], knots[i + 1]));
-    }
-  }
-  return roots;
+Eigen::Matrix2d distort_jacobian(const Coefficients& k, const Eigen::Vector2d& xy, const Radial& a) {
+  const double x = xy.x(), y = xy.y(), s = xy.squaredNorm();
+  const double prism_x = k[s1] + 2.0 * s * k[s2], prism_y = k[s3] + 2.0 * s * k[s4];
+  const double cross = 2.0 * x * y * a.slope + 2.0 * k[p1] * x + 2.0 * k[p2] * y;
+  Eigen::Matrix2d out;
+  out(0, 0) = a.value + 2.0 * x * x * a.slope + 2.0 * k[p1] * y + 6.0 * k[p2] * x + 2.0 * x * prism_x;
+  out(0, 1) = cross + 2.0 * y * prism_x;
+  out(1, 0) = cross + 2.0 * x * prism_y;
+  out(1, 1) = a.value + 2.0 * y * y * a.slope + 6.0 * k[p1] * y + 2.0 * k[p2] * x + 2.0 * y * prism_y;
+  return out;
 }
 
 }  // namespace
@@ -76,31 +58,19 @@ Coefficients coefficients(const Camera& camera) {
 }
 
 Eigen::Vector2d distort(const Coefficients& k, const Eigen::Vector2d& xy) {
-  const double x = xy.x(), y = xy.y(), s = xy.squaredNorm();
-  const double a = radial_terms(k, s).value;
-  return {x * a + 2.0 * k[p1] * x * y + k[p2] * (s + 2.0 * x * x) + s * (k[s1] + s * k[s2]),
-          y * a + k[p1] * (s + 2.0 * y * y) + 2.0 * k[p2] * x * y + s * (k[s3] + s * k[s4])};
+  return distort(k, xy, radial_terms(k, xy.squaredNorm()).value);
 }
 
 Eigen::Matrix2d distort_jacobian(const Coefficients& k, const Eigen::Vector2d& xy) {
-  const double x = xy.x(), y = xy.y(), s = xy.squaredNorm();
-  const Radial a = radial_terms(k, s);
-  const double prism_x = k[s1] + 2.0 * s * k[s2], prism_y = k[s3] + 2.0 * s * k[s4];
-  const double cross = 2.0 * x * y * a.slope + 2.0 * k[p1] * x + 2.0 * k[p2] * y;
-  Eigen::Matrix2d out;
-  out(0, 0) = a.value + 2.0 * x * x * a.slope + 2.0 * k[p1] * y + 6.0 * k[p2] * x + 2.0 * x * prism_x;
-  out(0, 1) = cross + 2.0 * y * prism_x;
-  out(1, 0) = cross + 2.0 * x * prism_y;
-  out(1, 1) = a.value + 2.0 * y * y * a.slope + 6.0 * k[p1] * y + 2.0 * k[p2] * x + 2.0 * y * prism_y;
-  return out;
+  return distort_jacobian(k, xy, radial_terms(k, xy.squaredNorm()));
 }
 
 Distorted distort_with_jacobians(const Coefficients& k, const Eigen::Vector2d& xy) {
   const double x = xy.x(), y = xy.y(), s = xy.squaredNorm();
   const Radial a = radial_terms(k, s);
   Distorted out;
-  out.xy = distort(k, xy);
-  out.d_xy = distort_jacobian(k, xy);
+  out.xy = distort(k, xy, a.value);
+  out.d_xy = distort_jacobian(k, xy, a);
   const double by_numerator = 1.0 / a.denominator, by_denominator = -a.value / a.denominator;
   const std::array<double, 3> powers{s, s * s, s * s * s};
   out.d_coefficients.setZero();

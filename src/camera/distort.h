@@ -5,7 +5,8 @@
 
 namespace furrow::camera {
 
-inline constexpr int kMaxDistortion = kMaxIntrinsics - 4;
+/// Coefficients of the longest of OpenCV's models.
+inline constexpr int kMaxDistortion = 12;
 
 /// All coefficients in OpenCV's order; those a model lacks are 0.
 using Coefficients = Eigen::Matrix<double, kMaxDistortion, 1>;

@@ -80,6 +80,34 @@ std::optional<CameraModel> model_for_count(std::size_t count) {
   }
 }
 
+/// The number after "NAME=" in mrcal's configured model names, up to `most`.
+std::optional<int> configured(const std::string& text, const std::string& key, int most) {
+  const std::size_t at = text.find("_" + key + "=");
+  if (at == std::string::npos) return std::nullopt;
+  const std::size_t start = at + key.size() + 2;
+  const auto value = base::parse_int(std::string_view(text).substr(start, text.find('_', start) - start));
+  return value && *value >= 0 && *value <= most ? std::optional(static_cast<int>(*value)) : std::nullopt;
+}
+
+/// Sets model and grid from mrcal's name; false when the name is none of ours.
+bool read_lensmodel(const std::string& full, Camera& camera) {
+  const std::string prefix = "LENSMODEL_", splined = prefix + "SPLINED_STEREOGRAPHIC_";
+  if (full.starts_with(splined)) {
+    constexpr int kMostKnots = 1000, kMostDegrees = 359;
+    const auto order = configured(full, "order", 3), columns = configured(full, "Nx", kMostKnots),
+               rows = configured(full, "Ny", kMostKnots), fov = configured(full, "fov_x_deg", kMostDegrees);
+    if (!order || !columns || !rows || !fov) return false;
+    camera.model = CameraModel::splined_stereographic;
+    camera.spline = {*order, *columns, *rows, *fov};
+    return true;
+  }
+  const auto model =
+      full.starts_with(prefix) ? model_from_name(base::to_lower(full.substr(prefix.size()))) : std::nullopt;
+  if (!model || *model == CameraModel::fisheye || *model == CameraModel::splined_stereographic) return false;
+  camera.model = *model;
+  return true;
+}
+
 Result<Camera> from_mrcal(const Value& tree, const std::string& name) {
   const Value* lens = tree.find("lensmodel");
   const Value* values = tree.find("intrinsics");
@@ -88,18 +116,16 @@ Result<Camera> from_mrcal(const Value& tree, const std::string& name) {
     return invalid(name, tree.line, "no `lensmodel`", "its name in quotes");
   if (values == nullptr) return invalid(name, tree.line, "no `intrinsics`", "a list of numbers");
   if (size == nullptr) return invalid(name, tree.line, "no `imagersize`", "[width, height]");
-  const std::string prefix = "LENSMODEL_";
   const std::string full = *lens->string();
-  const auto model =
-      full.starts_with(prefix) ? model_from_name(base::to_lower(full.substr(prefix.size()))) : std::nullopt;
-  if (!model) {
+  Camera camera;
+  if (!read_lensmodel(full, camera)) {
     return Error{"camera_model_unsupported", name + ":" + std::to_string(lens->line), "lens model " + full,
-                 "LENSMODEL_PINHOLE or LENSMODEL_OPENCV4, 5, 8 or 12",
+                 "LENSMODEL_PINHOLE, OPENCV4, 5, 8, 12, STEREOGRAPHIC, LATLON or SPLINED_STEREOGRAPHIC",
                  "fit one of these with mrcal-convert-lensmodel"};
   }
   FURROW_TRY(const std::vector<double> p, numbers(*values, "intrinsics", name));
   FURROW_TRY(const std::vector<double> wh, numbers(*size, "imagersize", name));
-  const std::size_t wanted = 4 + static_cast<std::size_t>(distortion_count(*model));
+  const std::size_t wanted = 4 + static_cast<std::size_t>(distortion_count(camera.model, camera.spline));
   if (p.size() != wanted) {
     return invalid(name, values->line, std::to_string(p.size()) + " intrinsics",
                    std::to_string(wanted) + " for " + full);
@@ -108,8 +134,6 @@ Result<Camera> from_mrcal(const Value& tree, const std::string& name) {
   if (wh.size() != 2 || !(wh[0] >= 1 && wh[0] < kLargestSide && wh[1] >= 1 && wh[1] < kLargestSide)) {
     return invalid(name, size->line, "an impossible `imagersize`", "[width, height] in px");
   }
-  Camera camera;
-  camera.model = *model;
   camera.width = static_cast<int>(wh[0]);
   camera.height = static_cast<int>(wh[1]);
   camera.distortion.resize(p.size() - 4);
@@ -174,12 +198,10 @@ Result<Camera> from_opencv(const Value& tree, const std::string& name) {
   const Value* lens =
       first_of(tree, {"distortion_coefficients", "D", "Distortion_Coefficients", "distCoeffs"});
   check(matrix != nullptr, "from_opencv: the caller has seen the camera matrix");
+  bool fisheye = false;
   if (const Value* model = tree.find("distortion_model"); model != nullptr && model->string() != nullptr) {
     const std::string kind = base::to_lower(*model->string());
-    if (kind == "equidistant" || kind == "fisheye") {
-      return Error{"camera_model_unsupported", name + ":" + std::to_string(model->line),
-                   "distortion model " + kind, "plumb_bob or rational_polynomial", ""};
-    }
+    fisheye = kind == "equidistant" || kind == "fisheye" || kind == "kannala_brandt";
   }
   FURROW_TRY(const std::vector<double> k, numbers(*matrix, "camera_matrix", name));
   if (k.size() != 9) {
@@ -202,7 +224,15 @@ Result<Camera> from_opencv(const Value& tree, const std::string& name) {
   if (lens != nullptr && !lens->is_null()) {
     FURROW_TRY(distortion, numbers(*lens, "distortion_coefficients", name));
   }
-  FURROW_DO(set_distortion(std::move(distortion), lens, name, camera));
+  if (fisheye) {
+    if (distortion.size() != 4)
+      return invalid(name, lens != nullptr ? lens->line : 0,
+                     std::to_string(distortion.size()) + " coefficients", "4 for a fisheye");
+    camera.model = CameraModel::fisheye;
+    camera.distortion = std::move(distortion);
+  } else {
+    FURROW_DO(set_distortion(std::move(distortion), lens, name, camera));
+  }
   FURROW_DO(read_covariance(tree, name, camera));
   camera.provenance = "read from an OpenCV camera file";
   if (const Value* made = tree.find("provenance"); made != nullptr && made->string() != nullptr)
@@ -217,9 +247,18 @@ Result<Camera> from_calibration(const Value& tree, const std::string& name) {
   if (!known) {
     return Error{"camera_model_unsupported", name + ":" + std::to_string(model->line),
                  "model " + (model->string() != nullptr ? *model->string() : model->kind_name()),
-                 "pinhole, opencv4, opencv5, opencv8 or opencv12", ""};
+                 "one of " + model_names(), ""};
   }
   camera.model = *known;
+  if (const Value* grid = tree.find("spline");
+      grid != nullptr && camera.model == CameraModel::splined_stereographic) {
+    FURROW_TRY(const std::vector<double> g, numbers(*grid, "spline", name));
+    const auto whole = [](double v) { return static_cast<int>(std::clamp(v, 0.0, 1000.0)); };
+    if (g.size() != 4)
+      return invalid(name, grid->line, "a `spline` of " + std::to_string(g.size()),
+                     "[order, columns, rows, fov_x_deg]");
+    camera.spline = {whole(g[0]), whole(g[1]), whole(g[2]), whole(g[3])};
+  }
   const std::pair<const char*, double Camera::*> core[] = {
       {"fx", &Camera::fx}, {"fy", &Camera::fy}, {"cx", &Camera::cx}, {"cy", &Camera::cy}};
   for (const auto& [key, field] : core) {
@@ -242,8 +281,9 @@ Result<Camera> from_calibration(const Value& tree, const std::string& name) {
 
 Error unknown_format(const std::string& name, const std::string& found) {
   return {"camera_format_unknown", name, found,
-          "a mrcal .cameramodel, an OpenCV YAML with `camera_matrix`, or a calibration.json with `model` and "
-          "`fx`",
+          "a mrcal .cameramodel, an OpenCV or ROS YAML with `camera_matrix`, a Kalibr camchain, a COLMAP "
+          "cameras.txt, a "
+          "Metashape XML, a Pix4D .cam, MATLAB's text, or a calibration.json with `model` and `fx`",
           ""};
 }
 
@@ -295,6 +335,7 @@ std::string quoted_text(const std::string& text) {
 }  // namespace
 
 Result<Camera> parse_camera(const std::string& text, const std::string& name) {
+  if (text.starts_with("\xFF\xD8")) return from_dji_picture(text, name);
   const char mark = first_mark(text);
   if (mark == '\0') return unknown_format(name, "an empty file");
   if (mark == '{') {
@@ -303,7 +344,10 @@ Result<Camera> parse_camera(const std::string& text, const std::string& name) {
     FURROW_TRY(const Value tree, parse_literal(text, name));
     return from_tree(tree, name);
   }
+  if (mark == '<') return from_metashape(text, name);
+  if (looks_like_pix4d(text)) return from_pix4d(text, name);
   if (looks_like_colmap(text)) return from_colmap(text, name);
+  if (looks_like_matlab(text)) return from_matlab(text, name);
   FURROW_TRY(const Value tree, base::parse_yaml(text, name));
   return from_tree(tree, name);
 }
@@ -313,16 +357,32 @@ Result<Camera> read_camera(const std::filesystem::path& file) {
   return parse_camera(text, file.string());
 }
 
-std::string to_mrcal_cameramodel(const Camera& camera) {
+std::string mrcal_lensmodel(const Camera& camera) {
+  check(camera.model != CameraModel::fisheye, "mrcal has no Kannala-Brandt fisheye");
   std::string upper = model_name(camera.model);
   for (char& c : upper) c = (c >= 'a' && c <= 'z') ? static_cast<char>(c - 'a' + 'A') : c;
+  if (camera.model == CameraModel::splined_stereographic) {
+    upper += "_order=" + std::to_string(camera.spline.order) +
+             "_Nx=" + std::to_string(camera.spline.columns) + "_Ny=" + std::to_string(camera.spline.rows) +
+             "_fov_x_deg=" + std::to_string(camera.spline.fov_x_deg);
+  }
+  return "LENSMODEL_" + upper;
+}
+
+std::string to_mrcal_cameramodel(const Camera& camera, const std::string& optimization_inputs) {
   const Eigen::VectorXd p = intrinsics(camera);
   std::ostringstream out;
-  out << "{\n    'lensmodel':  'LENSMODEL_" << upper << "',\n\n"
+  out << "{\n    'lensmodel':  '" << mrcal_lensmodel(camera) << "',\n\n"
       << "    # intrinsics are fx,fy,cx,cy,distortion0,distortion1,....\n    'intrinsics': [ ";
   append_list(out, p.data(), static_cast<std::size_t>(p.size()));
   out << ",],\n\n    # extrinsics are rt_fromref\n    'extrinsics': [ 0, 0, 0, 0, 0, 0,],\n\n"
-      << "    'imagersize': [ " << camera.width << ", " << camera.height << ",],\n}\n";
+      << "    'imagersize': [ " << camera.width << ", " << camera.height << ",],\n";
+  if (!optimization_inputs.empty()) {
+    out << "    'icam_intrinsics': 0,\n\n"
+        << "    # what was solved, for mrcal's own tools: numpy's npz in base 85\n"
+        << "    'optimization_inputs': b'" << optimization_inputs << "',\n";
+  }
+  out << "}\n";
   return out.str();
 }
 
@@ -332,8 +392,12 @@ std::string to_opencv_yaml(const Camera& camera) {
   if (!camera.provenance.empty()) out << "provenance: " << quoted_text(camera.provenance) << "\n";
   out << "image_width: " << camera.width << "\nimage_height: " << camera.height << "\n";
   out << opencv_matrix("camera_matrix", 3, 3, {camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1});
-  const bool rational = camera.distortion.size() > 5;
-  out << "distortion_model: " << (rational ? "rational_polynomial" : "plumb_bob") << "\n";
+  const bool fisheye = camera.model == CameraModel::fisheye, rational = camera.distortion.size() > 5;
+  out << "distortion_model: "
+      << (fisheye    ? "equidistant"
+          : rational ? "rational_polynomial"
+                     : "plumb_bob")
+      << "\n";
   // An empty matrix is not readable everywhere; zeros say the same.
   std::vector<double> k = camera.distortion;
   if (k.empty()) k.assign(static_cast<std::size_t>(distortion_count(CameraModel::opencv5)), 0.0);

@@ -44,7 +44,7 @@ TEST(Model, ViewJacobiansEqualCentralDifferences) {
       return out;
     };
     Eigen::VectorXd at(30);
-    RowMajor a(30, model.basis.cols()), b(30, 6);
+    RowMajor a(30, model.count), b(30, 6);
     ASSERT_TRUE(evaluate_view(model, shared, pose, seen, weight, at.data(), a.data(), b.data()));
     for (Eigen::Index i = 0; i < shared.size(); ++i) {
       const double step = 1e-6 * std::max(1.0, std::abs(shared[i]));
