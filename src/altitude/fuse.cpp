@@ -11,8 +11,10 @@
 namespace furrow::altitude {
 namespace {
 
-/// Places in the state: height above canopy, climb rate, and each source's bias.
-constexpr int kHeight = 0, kClimb = 1, kBaroBias = 2, kGnssBias = 3, kDepthBias = 4, kStateSize = 5;
+/// Places in the state: height above canopy, climb rate, each source's bias, the error of the stated row
+/// height, and what the flight's pictures err by together (in its sigmas).
+constexpr int kHeight = 0, kClimb = 1, kBaroBias = 2, kGnssBias = 3, kDepthBias = 4, kRowHeight = 5,
+              kVisionCommon = 6, kStateSize = 7;
 using State = Eigen::Matrix<double, kStateSize, 1>;
 using StateMatrix = Eigen::Matrix<double, kStateSize, kStateSize>;
 
@@ -52,11 +54,19 @@ Reading reading_on(int bias, double value, double sigma) {
 }
 
 Reading vps_reading(double value, Seen seen, const FuseOptions& options) {
-  if (seen == Seen::soil) {
-    return reading_on(-1, value - options.row_height_m.value,
-                      std::hypot(options.vps_sigma_m, options.row_height_m.sigma));
-  }
+  if (seen == Seen::soil)
+    return reading_on(kRowHeight, value - options.row_height_m.value, options.vps_sigma_m);
   return reading_on(-1, value, options.vps_sigma_m);
+}
+
+/// The common part is a state, so that many shots do not average it away; what is left is the shot's own.
+Reading vision_reading(const Estimate& height, double common_sigma_m) {
+  constexpr double kLeastOwnShare = 0.1;
+  const double common = std::clamp(common_sigma_m, 0.0, height.sigma);
+  const double own = std::sqrt((height.sigma - common) * (height.sigma + common));
+  Reading reading = reading_on(-1, height.value, std::max(own, kLeastOwnShare * height.sigma));
+  reading.row[kVisionCommon] = common;
+  return reading;
 }
 
 /// A source's reading at a sample, or nothing when it is silent or not used.
@@ -70,7 +80,7 @@ std::optional<Reading> reading_of(const HeightSample& s, HeightSource source, Se
   switch (source) {
     case HeightSource::vision:
       if (!s.vision_above_canopy_m.usable()) return std::nullopt;
-      return reading_on(-1, s.vision_above_canopy_m.value, s.vision_above_canopy_m.sigma);
+      return vision_reading(s.vision_above_canopy_m, s.vision_common_sigma_m);
     case HeightSource::depth:
       if (!s.depth_above_canopy_m.usable()) return std::nullopt;
       return reading_on(kDepthBias, s.depth_above_canopy_m.value, s.depth_above_canopy_m.sigma);
@@ -127,6 +137,9 @@ Belief start_belief(const FuseOptions& options) {
   belief.covariance.diagonal().setConstant(kUnknownSigma * kUnknownSigma);
   belief.covariance(kClimb, kClimb) = 100.0;  // no aircraft over a crop climbs faster than 10 m/s
   belief.covariance(kDepthBias, kDepthBias) = options.depth_bias_sigma_m * options.depth_bias_sigma_m;
+  belief.covariance(kRowHeight, kRowHeight) =
+      options.row_height_m.usable() ? options.row_height_m.sigma * options.row_height_m.sigma : 0.0;
+  belief.covariance(kVisionCommon, kVisionCommon) = 1.0;
   return belief;
 }
 
@@ -311,8 +324,10 @@ FusedHeight describe(const HeightSample& sample, const Belief& belief, const Lab
   const double sigma = std::sqrt(std::max(0.0, belief.covariance(kHeight, kHeight)));
   fused.above_canopy_m = {belief.mean[kHeight], sigma, readings};
   if (options.row_height_m.usable()) {
-    fused.above_ground_m = {belief.mean[kHeight] + options.row_height_m.value,
-                            std::hypot(sigma, options.row_height_m.sigma), readings};
+    State lifted = State::Zero();
+    lifted[kHeight] = lifted[kRowHeight] = 1.0;
+    fused.above_ground_m = {lifted.dot(belief.mean) + options.row_height_m.value,
+                            std::sqrt(std::max(0.0, lifted.dot(belief.covariance * lifted))), readings};
   }
   return fused;
 }

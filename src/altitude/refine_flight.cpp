@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "arrow.h"
+#include "budget.h"
 #include "furrow/altitude/flight.h"
 #include "furrow/base/parallel.h"
 #include "furrow/geom/angles.h"
@@ -336,8 +337,55 @@ void add_camera_to_biases(const Eigen::MatrixXd& mean_by_intrinsics, const Camer
   widen(kLambda, result.roll_bias_rad);
 }
 
+/// The cause, as for one shot, that a shared quantity belongs to.
+std::string budget_cause(const ParameterPrior& prior) {
+  switch (prior.parameter - kFarmSize) {
+    case kPitchBias:
+      return "pitch";
+    case kRollBias:
+      return "roll";
+    case kTerrainSlope:
+      return "terrain";
+    case kFocal:
+      return "focal";
+    default:
+      return prior.cause;
+  }
+}
+
+/// Shares of a shot's height within the flight (eq. 9.6). What neither the shot's own rows and gimbal nor the
+/// priors carry came from the other shots: their noise, and the ties.
+std::vector<SigmaShare> flight_budget(const Flight& flight, std::size_t i, const ArrowInverse& inverse,
+                                      double noise_scale2) {
+  const Member& member = flight.members[i];
+  const double height = std::exp(member.shot.x[kLogHeight]);
+  Eigen::RowVectorXd row(kAllSize);
+  row << inverse.diagonal[i].row(kLogHeight), inverse.border[i].row(kLogHeight);
+  const MemberJacobian own = linearise(member, flight.shared);
+  const Eigen::RowVectorXd gain = height / noise_scale2 * row * own.jacobian.transpose();
+  std::vector<SigmaShare> shares;
+  add_row_shares(shares, member.shot.system, gain.head(own.row_residuals), noise_scale2);
+  const double scale = std::sqrt(noise_scale2);
+  add_share(shares, "pitch", std::abs(scale * gain[own.row_residuals]));
+  add_share(shares, "roll", std::abs(scale * gain[own.row_residuals + 1]));
+  for (const ParameterPrior& prior : flight.shared_priors) {
+    const double part = height * row[kPoseSize + prior.parameter] / prior.wanted.sigma;
+    add_share(shares, budget_cause(prior), std::abs(part));
+  }
+  double rest = height * height * row[kLogHeight];
+  for (const SigmaShare& share : shares) rest -= share.sigma_m * share.sigma_m;
+  shares.push_back({"other", std::sqrt(std::max(0.0, rest))});
+  return shares;
+}
+
+/// Variance of log H that the shared quantities' errors make (X_i Cov_shared X_i^T of eq. 9.4).
+double common_variance(const ArrowInverse& inverse, std::size_t i) {
+  const Eigen::VectorXd with_shared = inverse.border[i].row(kLogHeight).transpose();
+  return with_shared.dot(inverse.corner.ldlt().solve(with_shared));
+}
+
 void describe_shots(const Flight& flight, const ArrowInverse& inverse, const Camera& camera,
-                    const FieldKnowledge& field, RefinedFlight& result) {
+                    const FieldKnowledge& field, double noise_scale2, RefinedFlight& result) {
   Eigen::MatrixXd mean_by_intrinsics = Eigen::MatrixXd::Zero(kPoseSize, camera.covariance.rows());
   for (std::size_t i = 0; i < flight.members.size(); ++i) {
     const Member& member = flight.members[i];
@@ -347,12 +395,19 @@ void describe_shots(const Flight& flight, const ArrowInverse& inverse, const Cam
     covariance.topRightCorner<kPoseSize, kFarmSize>() = inverse.border[i].leftCols(kFarmSize);
     covariance.bottomLeftCorner<kFarmSize, kPoseSize>() = inverse.border[i].leftCols(kFarmSize).transpose();
     covariance.bottomRightCorner<kFarmSize, kFarmSize>() = inverse.corner.topLeftCorner(kFarmSize, kFarmSize);
+    std::vector<SigmaShare> budget = flight_budget(flight, i, inverse, noise_scale2);
+    double common = common_variance(inverse, i);
     if (has_covariance(camera)) {
       const Eigen::MatrixXd g = pose_by_intrinsics(member, x, camera);
+      const Eigen::RowVectorXd of_height = std::exp(x[kLogHeight]) * g.row(kLogHeight);
+      add_camera_shares(budget, of_height, camera);
+      common += (g.row(kLogHeight) * camera.covariance).dot(g.row(kLogHeight));
       covariance.topLeftCorner<kPoseSize, kPoseSize>() += g * camera.covariance * g.transpose();
       mean_by_intrinsics += g / static_cast<double>(flight.members.size());
     }
     RefinedShot shot = describe(member.shot.system, x, covariance, field);
+    shot.height_budget = std::move(budget);
+    shot.height_common_sigma_m = shot.height_above_canopy_m.value * std::sqrt(std::max(0.0, common));
     shot.rows_left_out = member.shot.rows_left_out;
     shot.iterations = result.iterations;
     shot.termination = result.termination;
@@ -395,7 +450,7 @@ Result<RefinedFlight> refine_flight(const std::vector<ShotInput>& shots, const C
   }
   result.residual_rms = normal.residual_rms;
   describe_shared(flight, inverse->corner, result);
-  describe_shots(flight, *inverse, camera, field, result);
+  describe_shots(flight, *inverse, camera, field, normal.noise_scale2, result);
   result.usable = true;
   return result;
 }

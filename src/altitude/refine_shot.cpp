@@ -1,6 +1,7 @@
 #include <cmath>
 #include <Eigen/Cholesky>
 
+#include "budget.h"
 #include "furrow/base/text.h"
 #include "furrow/geom/angles.h"
 #include "shot_system.h"
@@ -89,35 +90,15 @@ std::vector<SigmaShare> height_budget(const ShotSystem& system, const ShotVector
   const double height = std::exp(x[kLogHeight]);
   const Eigen::RowVectorXd gain = height / posterior.noise_scale2 * posterior.covariance.row(kLogHeight) *
                                   posterior.data.jacobian.transpose();
-  double picture = 0.0, plants = 0.0;
-  Eigen::Index at = 0;
-  for (const WeightedBlock& block : system.blocks) {
-    const Eigen::Index n = block.rows.residuals();
-    const Eigen::RowVectorXd raw = gain.segment(at, n) * block.whitener;
-    picture += (raw * block.covariance.picture).dot(raw) * posterior.noise_scale2;
-    plants += (raw * block.covariance.plants).dot(raw) * posterior.noise_scale2;
-    at += n;
-  }
-  std::vector<SigmaShare> shares = {{"picture", std::sqrt(picture)}, {"plants", std::sqrt(plants)}};
+  std::vector<SigmaShare> shares;
+  add_row_shares(shares, system, gain, posterior.noise_scale2);
   const Eigen::RowVectorXd prior_gain =
       height * posterior.covariance.row(kLogHeight) * posterior.priors.jacobian.transpose();
   for (std::size_t i = 0; i < system.priors.size(); ++i) {
-    const double part = std::abs(prior_gain[static_cast<Eigen::Index>(i)]);
-    if (shares.back().cause == system.priors[i].cause) {
-      shares.back().sigma_m = std::hypot(shares.back().sigma_m, part);
-    } else {
-      shares.push_back({system.priors[i].cause, part});
-    }
+    add_share(shares, system.priors[i].cause, std::abs(prior_gain[static_cast<Eigen::Index>(i)]));
   }
-  if (posterior.by_intrinsics.size() > 0) {
-    // fx, fy, cx, cy; their correlation with the distortion goes half to each, as it enters the sum twice.
-    const Eigen::RowVectorXd g = height * posterior.by_intrinsics.row(kLogHeight);
-    const Eigen::Index rest = g.size() - 4;
-    const double linear = (g.head(4) * camera.covariance.topRows(4)).dot(g);
-    const double distortion = rest > 0 ? (g.tail(rest) * camera.covariance.bottomRows(rest)).dot(g) : 0.0;
-    shares.push_back({"focal", std::copysign(std::sqrt(std::abs(linear)), linear)});
-    shares.push_back({"distortion", std::copysign(std::sqrt(std::abs(distortion)), distortion)});
-  }
+  if (posterior.by_intrinsics.size() > 0)
+    add_camera_shares(shares, height * posterior.by_intrinsics.row(kLogHeight), camera);
   return shares;
 }
 

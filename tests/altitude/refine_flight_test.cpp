@@ -167,6 +167,45 @@ TEST(RefineFlight, SaysWhatTheFlightTellsAndWhatNot) {
   EXPECT_LT(told->pitch_bias_rad.sigma, deg_to_rad(0.1));
 }
 
+double share_of(const RefinedShot& shot, const std::string& cause) {
+  for (const SigmaShare& share : shot.height_budget) {
+    if (share.cause == cause) return share.sigma_m;
+  }
+  return 0.0;
+}
+
+double squares_of(const RefinedShot& shot) {
+  double squares = 0.0;
+  for (const SigmaShare& share : shot.height_budget) squares += share.sigma_m * std::abs(share.sigma_m);
+  return squares;
+}
+
+// The rest goes to the other shots, so the parts are checked where there are none.
+TEST(RefineFlight, BudgetSplitsTheSigmaOfAHeight) {
+  base::Random random(11);
+  const TestFlight flight = fly(12, {deg_to_rad(0.7), 0.0}, kNoise, random);
+  Camera camera = testing::thesis_camera();
+  camera.covariance = Eigen::MatrixXd::Identity(9, 9);
+  camera.covariance.diagonal().tail(5).setConstant(1e-6);
+  const auto one = refine_flight({flight.shots[3]}, camera, flight.field, level_ground());
+  ASSERT_TRUE(one.ok()) << one.error().message();
+  const RefinedShot& alone = one->shots[0];
+  EXPECT_NEAR(squares_of(alone) / std::pow(alone.height_above_canopy_m.sigma, 2), 1.0, 1e-6);
+  EXPECT_LT(share_of(alone, "other"), 0.01 * alone.height_above_canopy_m.sigma);
+  EXPECT_GT(share_of(alone, "distortion"), 0.0);
+
+  const auto all = refine_flight(flight.shots, camera, flight.field, level_ground());
+  ASSERT_TRUE(all.ok()) << all.error().message();
+  for (const RefinedShot& shot : all->shots) {
+    const Estimate& height = shot.height_above_canopy_m;
+    EXPECT_NEAR(squares_of(shot) / (height.sigma * height.sigma), 1.0, 1e-6);
+    // Height is proportional to the spacing, which the flight does not tell: 1 %.
+    EXPECT_NEAR(share_of(shot, "spacing") / height.value, 0.01, 0.002);
+    EXPECT_GT(shot.height_common_sigma_m, share_of(shot, "spacing"));
+    EXPECT_LT(shot.height_common_sigma_m, height.sigma);
+  }
+}
+
 TEST(RefineFlight, ABadShotIsNamedAndSkipped) {
   base::Random random(8);
   TestFlight flight = fly(5, {}, kNoise, random);

@@ -13,7 +13,10 @@ namespace furrow::altitude {
 struct HeightSample {
   double t_s = 0.0;
   Estimate vision_above_canopy_m;  ///< refine_shot's or refine_flight's
-  Estimate depth_above_canopy_m;   ///< from a depth map; may carry a constant bias
+  /// The part of its sigma that all shots of the flight err by together (spacing, gimbal bias, camera): such
+  /// errors do not average out. 0: every shot errs on its own.
+  double vision_common_sigma_m = 0.0;
+  Estimate depth_above_canopy_m;  ///< from a depth map; may carry a constant bias
   double baro_height_m = std::numeric_limits<double>::quiet_NaN();  ///< above any fixed level; drifts
   double vps_height_m = std::numeric_limits<double>::quiet_NaN();   ///< above what is below: leaves or soil
   double gnss_height_m =
@@ -31,10 +34,11 @@ struct FuseOptions {
   /// One-sigma of the vertical acceleration of the aircraft, m/s^2: how fast its climb may change. Default:
   /// gentle crop flight.
   double acceleration_sigma = 0.3;
-  /// One-sigma of a barometer's reading, and of its drift in one second. Defaults: small MEMS barometers;
-  /// half a metre in a quarter of an hour.
+  /// One-sigma of a barometer's reading, and of its drift against the canopy in one second: weather, warming
+  /// and waves of the ground. Defaults: small MEMS barometers; half a metre in a hundred seconds (8 m in two
+  /// hours were seen).
   double baro_sigma_m = 0.15;
-  double baro_drift_m_per_sqrt_s = 0.02;
+  double baro_drift_m_per_sqrt_s = 0.05;
   /// One-sigma of a downward sensor's reading over leaves or soil.
   double vps_sigma_m = 0.10;
   /// One-sigma of a GNSS height about its bias, and of the bias's change in one second.

@@ -29,9 +29,10 @@ Result<SpacingHeight> from_spacing(const RowsOnUnitPlane& rows, const FieldKnowl
 
 /// One cause's share of a height's uncertainty; the squares of all shares add up to the square of the sigma.
 struct SigmaShare {
-  std::string cause;  ///< picture, plants, spacing, half_width, foliage, pitch, roll, focal, distortion,
-                      ///< motion, other
-  double sigma_m = 0.0;
+  /// picture, plants, spacing, half_width, foliage, pitch, roll, focal, distortion; in a flight also terrain
+  /// (its mean slope) and other (the other shots' noise and the log's steps).
+  std::string cause;
+  double sigma_m = 0.0;  ///< negative where a correlation takes away from the sum
 };
 
 /// One shot's refinement.
@@ -52,9 +53,11 @@ struct RefinedShot {
   /// where held fixed.
   Eigen::MatrixXd covariance;
   std::vector<SigmaShare> height_budget;  ///< of height_above_canopy_m, by cause
-  int rows_used = 0;                      ///< rows that carry the result
-  int rows_left_out = 0;                  ///< rows found, but too far from the common field to belong to it
-  int observations = 0;                   ///< samples in the rows used
+  /// The part of its sigma that all shots of the flight err by together; 0 for a shot refined alone.
+  double height_common_sigma_m = 0.0;
+  int rows_used = 0;      ///< rows that carry the result
+  int rows_left_out = 0;  ///< rows found, but too far from the common field to belong to it
+  int observations = 0;   ///< samples in the rows used
   int iterations = 0;
   double residual_rms = 0.0;  ///< weighted; about 1 when the sigmas are right
   std::string termination = "never ran";
