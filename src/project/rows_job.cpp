@@ -7,6 +7,7 @@
 #include "furrow/figures/figures.h"
 #include "furrow/project/jobs.h"
 #include "furrow/rows/thesis.h"
+#include "furrow/telemetry/shot.h"
 
 namespace furrow::project {
 namespace {
@@ -44,6 +45,20 @@ Value row_value(const rows::RowLine& row) {
   return value;
 }
 
+/// Names for the pictures' entries and files: the stem, with the folder in front where two are equal.
+std::vector<std::string> names_of(const std::vector<fs::path>& images) {
+  std::vector<telemetry::Shot> shots;
+  for (const fs::path& file : images) {
+    auto& shot = shots.emplace_back();
+    shot.image = fs::absolute(file).lexically_normal();  // "../a.jpg" names its folder too
+    shot.shot_id = file.stem().string();
+  }
+  std::vector<std::string> names;
+  for (const telemetry::Shot& shot : telemetry::with_unique_ids(std::move(shots)))
+    names.push_back(fs::path(shot.shot_id).relative_path().string());
+  return names;
+}
+
 RowsOfImage failed(const std::string& image, const std::string& method, Error error) {
   error.where = image;  // outputs hold no absolute path
   RowsOfImage result;
@@ -67,21 +82,21 @@ Status write_steps(const fs::path& folder, const std::string& name, const Image&
   return Done{};
 }
 
-Result<RowsOfImage> process(const fs::path& file, const fs::path& out, const RowsJobOptions& options) {
+Result<RowsOfImage> process(const fs::path& file, const std::string& name, const fs::path& out,
+                            const RowsJobOptions& options) {
+  const std::string image = name + file.extension().string();
   const auto picture = image::read_image(file);
   if (!picture.ok()) {
-    return failed(file.filename().string(),
-                  options.detect.method == rows::Method::thesis ? "thesis" : "field", picture.error());
+    return failed(image, options.detect.method == rows::Method::thesis ? "thesis" : "field", picture.error());
   }
   RowsOfImage result;
-  result.image = file.filename().string();
+  result.image = image;
   const auto start = std::chrono::steady_clock::now();
   result.lines = rows::detect(*picture, options.detect);
   result.elapsed_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  if (options.overlays)
-    FURROW_DO(write_overlay(out / "overlays", file.stem().string(), *picture, result.lines));
-  if (options.steps) FURROW_DO(write_steps(*options.steps, file.stem().string(), *picture));
+  if (options.overlays) FURROW_DO(write_overlay(out / "overlays", name, *picture, result.lines));
+  if (options.steps) FURROW_DO(write_steps(*options.steps, name, *picture));
   return result;
 }
 
@@ -114,12 +129,13 @@ Value rows_document(const std::vector<RowsOfImage>& images) {
 
 Result<std::vector<RowsOfImage>> rows_job(const std::vector<fs::path>& images, const fs::path& out,
                                           const RowsJobOptions& options, const JobOptions& job) {
+  const std::vector<std::string> names = names_of(images);
   std::vector<RowsOfImage> results(images.size());
   std::optional<Error> failure;
   std::mutex mutex;
   std::size_t done = 0;
   base::parallel_for(images.size(), job.threads, [&](std::size_t i) {
-    auto result = process(images[i], out, options);
+    auto result = process(images[i], names[i], out, options);
     const std::lock_guard lock(mutex);
     if (result.ok()) {
       results[i] = std::move(*result);

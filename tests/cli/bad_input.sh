@@ -43,3 +43,18 @@ expect_says "empty.csv"
 printf 'seed: 1\nnonsense: 2\n' > "$out/scene.yaml"
 expect_exit 2 "$furrow" simulate "$out/scene.yaml" --out "$out/s"
 expect_says "scene.yaml"
+
+# Pictures of one name in two folders keep an overlay each.
+for folder in left right; do
+  mkdir -p "$out/$folder"
+  { printf 'P6\n320 240\n255\n'; head -c 230400 /dev/zero; } > "$out/$folder/a.ppm"
+done
+(cd "$out/left" && expect_exit 0 "$furrow" rows --out "$out/twins" a.ppm ../right/a.ppm) || exit 1
+expect_file "$out/twins/overlays/left/a.png"
+expect_file "$out/twins/overlays/right/a.png"
+grep -q '"left/a.ppm"' "$out/twins/rows.json" || die "rows.json does not tell the twins apart"
+
+# A file over the size limit fails like a full disk, and leaves no half file.
+(ulimit -f 8; expect_exit 2 "$furrow" rows --out "$out/limit" "$out/left/a.ppm") || exit 1
+expect_says "File too large"
+[ -z "$(find "$out/limit" -name '*part*')" ] || die "a failed write left $(find "$out/limit" -name '*part*')"
