@@ -4,6 +4,7 @@
 #include "cli/commands.h"
 #include "cli/run_summary.h"
 #include "cli/terminal.h"
+#include "furrow/audit/truth.h"
 #include "furrow/base/text.h"
 #include "furrow/project/jobs.h"
 
@@ -17,24 +18,6 @@ struct Arguments {
   int threads = 0;
   bool json = false;
 };
-
-std::string share(double value) {
-  return std::isfinite(value) ? base::format_fixed(100.0 * value, 0) : "-";
-}
-
-base::CsvTable comparison_table(const std::vector<project::TruthComparison>& lines) {
-  base::CsvTable table;
-  table.columns = {"height above canopy", "shots",       "mean error m", "sd m", "RMSE m", "RMSE %",
-                   "in 1 sigma %",        "in 2 sigma %"};
-  for (const auto& line : lines) {
-    if (line.shots == 0) continue;
-    table.rows.push_back({line.method, std::to_string(line.shots), base::format_fixed(line.mean_error_m, 3),
-                          base::format_fixed(line.sd_error_m, 3), base::format_fixed(line.rmse_m, 3),
-                          base::format_fixed(100.0 * line.rmse_share, 2), share(line.within_1_sigma),
-                          share(line.within_2_sigma)});
-  }
-  return table;
-}
 
 /// The measured table for a terminal: true heights beside the estimates where there is a truth.
 base::CsvTable heights_table(const std::vector<audit::ShotRecord>& records, bool with_truth) {
@@ -62,7 +45,7 @@ base::Value json_of(const project::RunOutcome& outcome) {
   value.set("shots", outcome.records.size());
   value.set("findings", findings_value(outcome.findings));
   base::Array lines;
-  for (const auto& line : project::compare_with_truth(outcome.records)) {
+  for (const auto& line : audit::compare_with_truth(outcome.records)) {
     base::Value entry;
     entry.set("method", line.method);
     entry.set("shots", line.shots);
@@ -97,12 +80,12 @@ int print_run(const project::RunOutcome& outcome, bool json) {
     print_json(json_of(outcome));
     return print_findings(outcome.findings);
   }
-  const auto comparison = project::compare_with_truth(outcome.records);
+  const auto comparison = audit::compare_with_truth(outcome.records);
   std::printf("Heights above the canopy; the log's above take-off\n");
   print_table(heights_table(outcome.records, !comparison.empty()));
   if (!comparison.empty()) {
     std::printf("\n");
-    print_table(comparison_table(comparison));
+    print_table(audit::comparison_table(comparison));
   }
   const int code = print_findings(outcome.findings);
   std::printf("\nreport: %s\n", outcome.report.c_str());

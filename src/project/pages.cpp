@@ -2,11 +2,11 @@
 
 #include <cmath>
 
+#include "furrow/audit/truth.h"
 #include "furrow/base/text.h"
 #include "furrow/base/version.h"
 #include "furrow/figures/pictures.h"
 #include "furrow/geom/angles.h"
-#include "furrow/stats/agreement.h"
 
 namespace furrow::project {
 namespace {
@@ -53,33 +53,11 @@ report::PageTable view_table(const calib::Calibration& calibration) {
   return table;
 }
 
-/// A share in percent; "-" for one that is not known.
-std::string share(double value) {
-  return std::isfinite(value) ? format_fixed(100.0 * value, 0) : "-";
+report::PageTable truth_table(const std::vector<audit::TruthComparison>& comparison) {
+  return {"Height above the canopy against the truth of the simulation (estimate - truth)",
+          audit::comparison_table(comparison)};
 }
 
-report::PageTable truth_table(const std::vector<TruthComparison>& comparison) {
-  report::PageTable table;
-  table.caption = "Height above the canopy against the truth of the simulation (estimate - truth)";
-  table.cells.columns = {"method",
-                         "shots",
-                         "mean error / m",
-                         "sd / m",
-                         "RMSE / m",
-                         "RMSE / % of height",
-                         "truth within 1 sigma / %",
-                         "within 2 sigma / %"};
-  for (const TruthComparison& line : comparison) {
-    if (line.shots == 0) continue;
-    table.cells.rows.push_back({line.method, std::to_string(line.shots), format_fixed(line.mean_error_m, 3),
-                                format_fixed(line.sd_error_m, 3), format_fixed(line.rmse_m, 3),
-                                format_fixed(100.0 * line.rmse_share, 2), share(line.within_1_sigma),
-                                share(line.within_2_sigma)});
-  }
-  return table;
-}
-
-/// Columns of shots.csv that a person reads, with fewer digits.
 report::PageTable shot_table(const std::vector<audit::ShotRecord>& records) {
   const auto number = [](double value, int decimals) {
     return std::isfinite(value) ? format_fixed(value, decimals) : std::string();
@@ -146,7 +124,7 @@ report::Section flight_section(const Result<altitude::RefinedFlight>& flight) {
 }
 
 std::vector<std::string> run_summary(const RunContent& content,
-                                     const std::vector<TruthComparison>& comparison) {
+                                     const std::vector<audit::TruthComparison>& comparison) {
   std::vector<double> heights;
   std::vector<double> sigmas;
   for (const auto& record : content.records) {
@@ -170,7 +148,7 @@ std::vector<std::string> run_summary(const RunContent& content,
                     " m, with a mean sigma of " + format_fixed(sum / static_cast<double>(sigmas.size()), 2) +
                     " m.");
   }
-  for (const TruthComparison& line : comparison) {
+  for (const audit::TruthComparison& line : comparison) {
     if (line.shots == 0) continue;
     words.push_back("Against the truth of the simulation the " + line.method + " errs by " +
                     format_fixed(line.rmse_m, 3) + " m RMS (" + format_fixed(100.0 * line.rmse_share, 1) +
@@ -241,7 +219,7 @@ report::Page calibration_page(const calib::Calibration& calibration, report::Sec
 }
 
 report::Page run_page(RunContent content) {
-  const auto comparison = compare_with_truth(content.records);
+  const auto comparison = audit::compare_with_truth(content.records);
   report::Page page;
   page.title = content.project.name;
   page.subtitle =

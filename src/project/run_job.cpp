@@ -5,6 +5,7 @@
 
 #include "furrow/altitude/birds_eye.h"
 #include "furrow/altitude/flight.h"
+#include "furrow/audit/truth.h"
 #include "furrow/base/file.h"
 #include "furrow/base/parallel.h"
 #include "furrow/base/text.h"
@@ -15,7 +16,6 @@
 #include "furrow/image/image.h"
 #include "furrow/project/jobs.h"
 #include "furrow/report/page.h"
-#include "furrow/stats/agreement.h"
 #include "project/calibration_outputs.h"
 #include "project/manifest.h"
 #include "project/pages.h"
@@ -117,33 +117,6 @@ Result<altitude::RefinedFlight> refine_flight(const std::vector<ShotResult>& res
   auto flight = altitude::refine_flight(inputs, *camera, project.field, options);
   base::report(job.progress, "refining the flight", 1, 1);
   return flight;
-}
-
-/// Puts a simulated flight's true heights beside the finished estimates.
-Status join_truth(std::vector<audit::ShotRecord>& records, const fs::path& truth) {
-  FURROW_TRY(const base::CsvTable table, base::read_csv(truth));
-  const auto id = table.column("shot_id");
-  const auto height = table.column("height_above_canopy_m");
-  if (!id || !height) {
-    return Error{"truth_column_missing", table.source, "no shot_id or no height_above_canopy_m",
-                 "a simulated flight's truth.csv", ""};
-  }
-  std::map<std::string, double> heights;
-  for (const auto& row : table.rows)
-    heights[row[*id]] = base::parse_double(row[*height]).value_or(std::nan(""));
-  std::size_t matched = 0;
-  for (audit::ShotRecord& record : records) {
-    const auto found = heights.find(record.shot_id);
-    if (found == heights.end()) continue;
-    record.truth_above_canopy_m = found->second;
-    ++matched;
-  }
-  if (matched == 0 && !records.empty()) {
-    return Error{"truth_without_shots", table.source,
-                 "none of its shot_ids is a shot of this flight (first shot: " + records[0].shot_id + ")",
-                 "the truth.csv of this flight", ""};
-  }
-  return Done{};
 }
 
 /// Up to kReportOverlays shots, evenly spread over those with rows.
@@ -313,39 +286,12 @@ void add_files_of(const figures::Figure& figure, std::vector<std::string>& files
 
 }  // namespace
 
-std::vector<TruthComparison> compare_with_truth(const std::vector<audit::ShotRecord>& records) {
-  const std::vector<std::pair<std::string, Estimate audit::ShotRecord::*>> methods = {
-      {"thesis formula", &audit::ShotRecord::above_canopy_thesis_m},
-      {"row spacing, closed form", &audit::ShotRecord::above_canopy_spacing_m},
-      {"refined, each shot alone", &audit::ShotRecord::above_canopy_shot_m},
-      {"refined, whole flight", &audit::ShotRecord::above_canopy_refined_m}};
-  std::vector<TruthComparison> lines;
-  for (const auto& [name, field] : methods) {
-    std::vector<double> estimates;
-    std::vector<double> truths;
-    std::vector<double> shares;
-    std::vector<Estimate> all;
-    for (const audit::ShotRecord& record : records) {
-      const bool of_flight = field == &audit::ShotRecord::above_canopy_refined_m;
-      if (!std::isfinite(record.truth_above_canopy_m) || (of_flight && !record.refined_in_flight)) continue;
-      all.push_back(record.*field);
-      estimates.push_back((record.*field).value);
-      truths.push_back(record.truth_above_canopy_m);
-      shares.push_back((record.*field).value / record.truth_above_canopy_m);
-    }
-    if (truths.empty()) continue;  // nothing to say of this method
-    const std::vector<double> ones(shares.size(), 1.0);
-    const stats::Agreement result = stats::agreement(estimates, truths);
-    const stats::Coverage coverage = stats::coverage(all, truths);
-    lines.push_back({name, result.pairs, result.mean_error, result.sd_error, result.rmse,
-                     stats::agreement(shares, ones).rmse, coverage.within_1_sigma, coverage.within_2_sigma});
-  }
-  return lines;
-}
-
 Result<RunOutcome> run_job(const Project& project, const fs::path& out, const JobOptions& job,
                            const std::optional<fs::path>& truth) {
-  if (truth) FURROW_DO(base::read_csv(*truth));  // named before the work, joined after it
+  std::optional<base::CsvTable> true_heights;  // named before the work, joined after it
+  if (truth) {
+    FURROW_TRY(true_heights, base::read_csv(*truth));
+  }
   FURROW_TRY(RunTables tables, measure_flight(project, job));
   RunOutcome outcome;
   for (std::size_t i = 0; i < tables.results.size(); ++i) {
@@ -361,7 +307,7 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
   const double row_height_m = project.field.row_height_m.value;
   outcome.findings = audit::assess_shots(outcome.records, row_height_m);
   outcome.findings.push_back(assess_focal(tables));
-  if (truth) FURROW_DO(join_truth(outcome.records, *truth));
+  if (true_heights) FURROW_DO(audit::join_truth(outcome.records, *true_heights));
   FURROW_DO(write_tables(out, tables, outcome.records));
 
   base::report(job.progress, "drawing", 0, 1);

@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "furrow/audit/finding.h"
 #include "furrow/audit/shot_record.h"
+#include "furrow/audit/truth.h"
 
 namespace furrow::audit {
 namespace {
@@ -70,7 +72,8 @@ TEST(AssessShots, JudgesTheLogAgainstTheRows) {
 }
 
 TEST(AssessFocal, ComparesWithTheStatedLens) {
-  // A Phantom 4 Pro: 24 mm equivalent on a 3:2 sensor, 8.8 mm of 13.2 mm: 853 px at 1280; the thesis calibrated 874.33.
+  // A Phantom 4 Pro: 24 mm equivalent on a 3:2 sensor, 8.8 mm of 13.2 mm: 853 px at 1280; the thesis
+  // calibrated 874.33.
   EXPECT_EQ(assess_focal(853.3, 1280, 24.0).verdict, Verdict::pass);
   EXPECT_EQ(assess_focal(874.33, 1280, 24.0).verdict, Verdict::pass);
   EXPECT_EQ(assess_focal(964.0, 1280, 24.0).verdict, Verdict::fail);
@@ -89,6 +92,37 @@ TEST(AssessCalibration, ListsUnusedPictures) {
   const Finding finding = assess_calibration(calibration, {})[0];
   EXPECT_EQ(finding.verdict, Verdict::fail);
   EXPECT_NE(finding.evidence.find("b.jpg (no board found)"), std::string::npos);
+}
+
+TEST(CompareWithTruth, FormsErrorsPerMethod) {
+  std::vector<ShotRecord> records(2);
+  records[0].truth_above_canopy_m = 2.0;
+  records[0].above_canopy_refined_m = {2.1, 0.1, 5};
+  records[1].truth_above_canopy_m = 4.0;
+  records[1].above_canopy_refined_m = {4.0, 0.1, 5};
+  for (auto& record : records) record.refined_in_flight = true;
+  const auto lines = compare_with_truth(records);
+  ASSERT_EQ(lines.size(), 1U);  // the other ways gave no height
+  EXPECT_EQ(lines[0].method, "refined, whole flight");
+  EXPECT_EQ(lines[0].shots, 2);
+  EXPECT_NEAR(lines[0].mean_error_m, 0.05, 1e-12);
+  EXPECT_NEAR(lines[0].rmse_share, 0.05 / 1.41421356, 1e-8);
+  EXPECT_EQ(comparison_table(lines).rows.at(0).at(4), "0.071");
+  EXPECT_TRUE(compare_with_truth({{}}).empty());
+}
+
+TEST(JoinTruth, NamesATableThatIsNoTruthOfThisFlight) {
+  std::vector<ShotRecord> records(2);
+  records[0].shot_id = "a";
+  records[1].shot_id = "b";
+  const auto joined = [&](const char* csv) {
+    return join_truth(records, base::parse_csv(csv, "truth.csv").value());
+  };
+  EXPECT_EQ(joined("shot_id,height\na,2\n").error().code, "truth_column_missing");
+  EXPECT_EQ(joined("shot_id,height_above_canopy_m\nc,2\n").error().code, "truth_without_shots");
+  ASSERT_TRUE(joined("shot_id,height_above_canopy_m\nb,2.5\n").ok());
+  EXPECT_EQ(records[1].truth_above_canopy_m, 2.5);
+  EXPECT_TRUE(std::isnan(records[0].truth_above_canopy_m));
 }
 
 }  // namespace

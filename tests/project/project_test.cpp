@@ -127,21 +127,5 @@ TEST_F(ProjectTest, BundledProjectsAreReadable) {
   }
 }
 
-TEST(CompareWithTruth, FormsErrorsPerMethod) {
-  std::vector<audit::ShotRecord> records(2);
-  records[0].truth_above_canopy_m = 2.0;
-  records[0].above_canopy_refined_m = {2.1, 0.1, 5};
-  records[1].truth_above_canopy_m = 4.0;
-  records[1].above_canopy_refined_m = {4.0, 0.1, 5};
-  for (auto& record : records) record.refined_in_flight = true;
-  const auto lines = compare_with_truth(records);
-  ASSERT_EQ(lines.size(), 4U);
-  EXPECT_EQ(lines[0].shots, 0);
-  EXPECT_EQ(lines[3].shots, 2);
-  EXPECT_NEAR(lines[3].mean_error_m, 0.05, 1e-12);
-  EXPECT_NEAR(lines[3].rmse_share, 0.05 / 1.41421356, 1e-8);
-  EXPECT_TRUE(compare_with_truth({{}}).empty());
-}
-
 }  // namespace
 }  // namespace furrow::project

@@ -29,8 +29,10 @@ struct ShotRecord {
   bool refined_in_flight = false;  ///< whether the flight carried it
   Estimate above_ground_refined_m;
   Estimate above_canopy_shot_m;  ///< refined from this shot alone
-  Estimate cross_track_m;        ///< camera left of the followed row
-  Estimate heading_error_deg;    ///< camera points left of the row direction
+  /// From the rows and the log together (altitude/fuse.h).
+  Estimate above_canopy_fused_m, above_ground_fused_m;
+  Estimate cross_track_m;      ///< camera left of the followed row
+  Estimate heading_error_deg;  ///< camera points left of the row direction
   int rows_used = 0;
   double rows_confidence = kMissing;
   std::string status;                      ///< "ok" or why there is no refined height

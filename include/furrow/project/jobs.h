@@ -72,20 +72,6 @@ Result<RunOutcome> run_job(const Project& project, const std::filesystem::path& 
                            const JobOptions& job = {},
                            const std::optional<std::filesystem::path>& truth = {});
 
-/// How one way of measuring the height agrees with the truth of a simulated flight.
-struct TruthComparison {
-  std::string method;  ///< "thesis formula", "row spacing, closed form", "refined, each shot alone",
-                       ///< "refined, whole flight"
-  int shots = 0;
-  double mean_error_m = 0.0, sd_error_m = 0.0, rmse_m = 0.0;
-  double rmse_share = 0.0;  ///< RMS of error / true height above the canopy
-  double within_1_sigma = 0.0,
-         within_2_sigma = 0.0;  ///< share of truths; NaN where the method gives no sigma
-};
-
-/// One line per method; empty when no record has a truth.
-std::vector<TruthComparison> compare_with_truth(const std::vector<audit::ShotRecord>& records);
-
 /// Renders the demo's world into `out`/input, runs the chain on pictures and log alone into `out`, and
 /// compares.
 Result<RunOutcome> demo_job(const std::filesystem::path& out, const JobOptions& job = {});
