@@ -7,21 +7,24 @@
 #include <optional>
 
 #include "furrow/base/text.h"
+#include "surface_labels.h"
 
 namespace furrow::altitude {
 namespace {
 
 /// Places in the state: height above canopy, climb rate, each source's bias, the error of the stated row
-/// height, and what the flight's pictures err by together (in its sigmas).
+/// height, what the flight's pictures err by together (in its sigmas), and the canopy's level with its rate.
 constexpr int kHeight = 0, kClimb = 1, kBaroBias = 2, kGnssBias = 3, kDepthBias = 4, kRowHeight = 5,
-              kVisionCommon = 6, kStateSize = 7;
+              kVisionCommon = 6, kGround = 7, kGroundRate = 8, kStateSize = 9;
 using State = Eigen::Matrix<double, kStateSize, 1>;
 using StateMatrix = Eigen::Matrix<double, kStateSize, kStateSize>;
 
 /// Spread of a quantity of which nothing is known, metres or metres a second: far beyond any flight.
 constexpr double kUnknownSigma = 1e4;
 /// Passes after which readings that still change sides are left where they are.
-constexpr int kMaxPasses = 10;
+constexpr int kMaxPasses = 20;
+/// How many readings a claimed sigma is worth against the noise that is seen, as for one shot (eq. 8.2).
+constexpr double kClaimWeight = 20.0;
 
 int place(HeightSource source) {
   return static_cast<int>(source);
@@ -39,6 +42,12 @@ struct Labels {
   Seen vps = Seen::nothing;
 };
 
+/// The options, and the noise of each source over its claim.
+struct Setup {
+  const FuseOptions& options;
+  std::array<double, kHeightSources> noise_scale = {1.0, 1.0, 1.0, 1.0, 1.0};
+};
+
 struct Belief {
   State mean = State::Zero();
   StateMatrix covariance = StateMatrix::Zero();
@@ -48,6 +57,8 @@ Reading reading_on(int bias, double value, double sigma) {
   Reading reading;
   reading.row[kHeight] = 1.0;
   if (bias >= 0) reading.row[bias] = 1.0;
+  // Heights above a fixed level see the ground's rise as a loss of height above the canopy.
+  if (bias == kBaroBias || bias == kGnssBias) reading.row[kGround] = 1.0;
   reading.value = value;
   reading.sigma = sigma;
   return reading;
@@ -69,9 +80,9 @@ Reading vision_reading(const Estimate& height, double common_sigma_m) {
   return reading;
 }
 
-/// A source's reading at a sample, or nothing when it is silent or not used.
-std::optional<Reading> reading_of(const HeightSample& s, HeightSource source, Seen vps,
-                                  const FuseOptions& options) {
+/// A source's reading at a sample with its claimed noise, or nothing when it is silent or not used.
+std::optional<Reading> claimed_reading(const HeightSample& s, HeightSource source, Seen vps,
+                                       const FuseOptions& options) {
   if (!options.use[static_cast<std::size_t>(place(source))]) return std::nullopt;
   const auto plain = [&](int bias, double value, double sigma) -> std::optional<Reading> {
     if (!std::isfinite(value)) return std::nullopt;
@@ -95,8 +106,11 @@ std::optional<Reading> reading_of(const HeightSample& s, HeightSource source, Se
   return std::nullopt;
 }
 
-constexpr std::array<HeightSource, kHeightSources> kSources = {
-    HeightSource::vision, HeightSource::depth, HeightSource::baro, HeightSource::vps, HeightSource::gnss};
+std::optional<Reading> reading_of(const HeightSample& s, HeightSource source, Seen vps, const Setup& setup) {
+  auto reading = claimed_reading(s, source, vps, setup.options);
+  if (reading) reading->sigma *= setup.noise_scale[static_cast<std::size_t>(place(source))];
+  return reading;
+}
 
 bool takes_part(const Labels& labels, HeightSource source) {
   if (source == HeightSource::vps) return labels.vps == Seen::canopy || labels.vps == Seen::soil;
@@ -127,6 +141,8 @@ Step step_of(double dt, const FuseOptions& options) {
   step.noise(kHeight, kHeight) = q * dt * dt * dt / 3.0;
   step.noise(kHeight, kClimb) = step.noise(kClimb, kHeight) = q * dt * dt / 2.0;
   step.noise(kClimb, kClimb) = q * dt;
+  step.transition(kGround, kGroundRate) = dt;
+  step.noise(kGroundRate, kGroundRate) = std::pow(options.ground_rate_drift, 2) * dt;
   step.noise(kBaroBias, kBaroBias) = std::pow(options.baro_drift_m_per_sqrt_s, 2) * dt;
   step.noise(kGnssBias, kGnssBias) = std::pow(options.gnss_drift_m_per_sqrt_s, 2) * dt;
   return step;
@@ -140,27 +156,29 @@ Belief start_belief(const FuseOptions& options) {
   belief.covariance(kRowHeight, kRowHeight) =
       options.row_height_m.usable() ? options.row_height_m.sigma * options.row_height_m.sigma : 0.0;
   belief.covariance(kVisionCommon, kVisionCommon) = 1.0;
+  belief.covariance(kGround, kGround) = 0.0;  // a constant is in the biases already
+  belief.covariance(kGroundRate, kGroundRate) = options.ground_rate_sigma * options.ground_rate_sigma;
   return belief;
 }
 
 /// Forward Kalman filter, backward Rauch-Tung-Striebel pass (eq. 11.2).
 std::vector<Belief> smooth(const std::vector<HeightSample>& samples, const std::vector<Labels>& labels,
-                           const FuseOptions& options) {
+                           const Setup& setup) {
   const std::size_t n = samples.size();
   std::vector<Belief> predicted(n), filtered(n);
   std::vector<StateMatrix> transitions(n, StateMatrix::Identity());
   for (std::size_t i = 0; i < n; ++i) {
-    predicted[i] = i == 0 ? start_belief(options) : filtered[i - 1];
+    predicted[i] = i == 0 ? start_belief(setup.options) : filtered[i - 1];
     if (i > 0) {
-      const Step step = step_of(samples[i].t_s - samples[i - 1].t_s, options);
+      const Step step = step_of(samples[i].t_s - samples[i - 1].t_s, setup.options);
       transitions[i] = step.transition;
       predicted[i].mean = step.transition * predicted[i].mean;
       predicted[i].covariance =
           step.transition * predicted[i].covariance * step.transition.transpose() + step.noise;
     }
     filtered[i] = predicted[i];
-    for (const HeightSource source : kSources) {
-      const auto reading = reading_of(samples[i], source, labels[i].vps, options);
+    for (const HeightSource source : kAllHeightSources) {
+      const auto reading = reading_of(samples[i], source, labels[i].vps, setup);
       if (reading && takes_part(labels[i], source)) update(filtered[i], *reading);
     }
   }
@@ -185,12 +203,12 @@ double distance_from_rest(const Belief& belief, const Reading& reading, bool too
   return std::abs(residual) / std::sqrt(std::max(r - own, 1e-3 * r));
 }
 
-Seen label_vps(const HeightSample& sample, const Belief& belief, Seen before, const FuseOptions& options) {
-  double best = options.gate_sigmas;
+Seen label_vps(const HeightSample& sample, const Belief& belief, Seen before, const Setup& setup) {
+  double best = setup.options.gate_sigmas;
   Seen label = Seen::outlier;
   for (const Seen seen : {Seen::canopy, Seen::soil}) {
-    if (seen == Seen::soil && !options.row_height_m.usable()) continue;
-    const auto reading = reading_of(sample, HeightSource::vps, seen, options);
+    if (seen == Seen::soil && !setup.options.row_height_m.usable()) continue;
+    const auto reading = reading_of(sample, HeightSource::vps, seen, setup);
     const double away = distance_from_rest(belief, *reading, false);
     // The side it was on wins a tie, so that the passes end.
     if (away < (seen == before ? best + 1e-9 : best)) best = away, label = seen;
@@ -198,19 +216,18 @@ Seen label_vps(const HeightSample& sample, const Belief& belief, Seen before, co
   return label;
 }
 
-Labels label(const HeightSample& sample, const Belief& belief, const Labels& before,
-             const FuseOptions& options) {
+Labels label(const HeightSample& sample, const Belief& belief, const Labels& before, const Setup& setup) {
   Labels labels = before;
-  for (const HeightSource source : kSources) {
-    const auto reading = reading_of(sample, source, Seen::canopy, options);
+  for (const HeightSource source : kAllHeightSources) {
+    const auto reading = reading_of(sample, source, Seen::canopy, setup);
     if (!reading) continue;
     const std::size_t i = static_cast<std::size_t>(place(source));
     if (source == HeightSource::vps) {
-      labels.vps = label_vps(sample, belief, before.vps, options);
+      labels.vps = label_vps(sample, belief, before.vps, setup);
       labels.left_out[i] = labels.vps == Seen::outlier;
     } else {
       labels.left_out[i] =
-          distance_from_rest(belief, *reading, takes_part(before, source)) > options.gate_sigmas;
+          distance_from_rest(belief, *reading, takes_part(before, source)) > setup.options.gate_sigmas;
     }
   }
   return labels;
@@ -225,9 +242,13 @@ bool same(const std::vector<Labels>& a, const std::vector<Labels>& b) {
 
 bool any(const std::vector<HeightSample>& samples, HeightSource source, const FuseOptions& options) {
   for (const HeightSample& sample : samples) {
-    if (reading_of(sample, source, Seen::canopy, options)) return true;
+    if (claimed_reading(sample, source, Seen::canopy, options)) return true;
   }
   return false;
+}
+
+bool any_absolute(const std::vector<HeightSample>& samples, const FuseOptions& options) {
+  return any(samples, HeightSource::vision, options) || any(samples, HeightSource::depth, options);
 }
 
 Status check_input(const std::vector<HeightSample>& samples, const FuseOptions& options) {
@@ -245,8 +266,7 @@ Status check_input(const std::vector<HeightSample>& samples, const FuseOptions& 
       return Error{"not_finite", "fuse options", base::format_double(sigma), "finite sigmas above 0", ""};
     }
   }
-  if (any(samples, HeightSource::vision, options) || any(samples, HeightSource::depth, options))
-    return Done{};
+  if (any_absolute(samples, options)) return Done{};
   if (!any(samples, HeightSource::vps, options)) {
     return Error{"no_absolute_height", "fuse", "only barometer or GNSS, whose zero is not known",
                  "vision, depth or a downward sensor", ""};
@@ -256,78 +276,82 @@ Status check_input(const std::vector<HeightSample>& samples, const FuseOptions& 
                "the rows' height", ""};
 }
 
-/// Downward reading over a source that follows the aircraft's climb, when there is one: constant over leaves,
-/// one row height more over soil.
-std::optional<double> above_follower(const HeightSample& s, const FuseOptions& options) {
-  if (!reading_of(s, HeightSource::vps, Seen::canopy, options)) return std::nullopt;
-  if (reading_of(s, HeightSource::baro, Seen::canopy, options)) return s.vps_height_m - s.baro_height_m;
-  if (reading_of(s, HeightSource::gnss, Seen::canopy, options)) return s.vps_height_m - s.gnss_height_m;
-  return s.vps_height_m;
-}
-
-/// The level of the leaves among such readings: the one of which most readings lie there or one row height
-/// above (eq. 11.4). Readings on one level only are taken for leaves.
-double leaf_level(const std::vector<double>& readings, const FuseOptions& options) {
-  const double sigma = std::hypot(options.vps_sigma_m, options.baro_sigma_m);
-  const auto cost = [&](double level) {
-    double sum = 0.0;
-    for (const double reading : readings) {
-      const double canopy = (reading - level) / sigma, soil = canopy - options.row_height_m.value / sigma;
-      sum += std::min({canopy * canopy, soil * soil, options.gate_sigmas * options.gate_sigmas});
-    }
-    return sum;
-  };
-  // Some hundred levels tried are as good as all, and keep long flights linear.
-  const std::size_t stride = 1 + readings.size() / 200;
-  double best = readings.front(), least = cost(best);
-  for (std::size_t i = 0; i < readings.size(); i += stride) {
-    const double c = cost(readings[i]);
-    if (c < least) least = c, best = readings[i];
-  }
-  return best;
-}
-
-/// First labels: everything takes part, but a downward sensor only after vision or depth has spoken; alone,
-/// its readings are sorted by level.
+/// Everything takes part at first.
 std::vector<Labels> first_labels(const std::vector<HeightSample>& samples, const FuseOptions& options) {
   std::vector<Labels> labels(samples.size());
-  if (any(samples, HeightSource::vision, options) || any(samples, HeightSource::depth, options))
-    return labels;
-  std::vector<double> readings;
-  for (const HeightSample& sample : samples) {
-    if (const auto reading = above_follower(sample, options)) readings.push_back(*reading);
-  }
-  const double level = leaf_level(readings, options);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const auto reading = above_follower(samples[i], options);
-    if (reading)
-      labels[i].vps = *reading - level > 0.5 * options.row_height_m.value ? Seen::soil : Seen::canopy;
-  }
+  const std::vector<Seen> seen = likely_surfaces(samples, options);
+  for (std::size_t i = 0; i < samples.size(); ++i) labels[i].vps = seen[i];
   return labels;
 }
 
+/// Whether all downward readings were taken for one surface.
+bool on_one_level(const std::vector<Labels>& labels) {
+  const auto saw = [&](Seen seen) {
+    return std::any_of(labels.begin(), labels.end(), [seen](const Labels& l) { return l.vps == seen; });
+  };
+  return !(saw(Seen::canopy) && saw(Seen::soil));
+}
+
+/// The noise of one source over its claim: residuals against what is left of its variance once its own pull
+/// is taken out (eq. 11.5).
+double seen_noise(const std::vector<HeightSample>& samples, const std::vector<Belief>& beliefs,
+                  const std::vector<Labels>& labels, HeightSource source, const Setup& setup) {
+  constexpr double kLeastLeft = 0.05;  // readings that nothing else checks say nothing of their noise
+  const double scale = setup.noise_scale[static_cast<std::size_t>(place(source))];
+  double sum = kClaimWeight, count = kClaimWeight;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const auto reading = reading_of(samples[i], source, labels[i].vps, setup);
+    if (!reading || !takes_part(labels[i], source)) continue;
+    const double r = reading->sigma * reading->sigma;
+    const double left = r - reading->row.dot(beliefs[i].covariance * reading->row);
+    if (left < kLeastLeft * r) continue;
+    const double residual = reading->value - reading->row.dot(beliefs[i].mean);
+    sum += scale * scale * residual * residual / left;
+    count += 1.0;
+  }
+  return std::sqrt(sum / count);
+}
+
+std::array<double, kHeightSources> seen_noises(const std::vector<HeightSample>& samples,
+                                               const std::vector<Belief>& beliefs,
+                                               const std::vector<Labels>& labels, const Setup& setup) {
+  std::array<double, kHeightSources> scales = {};
+  for (const HeightSource source : kAllHeightSources)
+    scales[static_cast<std::size_t>(place(source))] = seen_noise(samples, beliefs, labels, source, setup);
+  return scales;
+}
+
+bool same(const std::array<double, kHeightSources>& a, const std::array<double, kHeightSources>& b) {
+  constexpr double kAlike = 0.01;
+  return std::equal(a.begin(), a.end(), b.begin(),
+                    [](double x, double y) { return std::abs(x - y) < kAlike * y; });
+}
+
 FusedHeight describe(const HeightSample& sample, const Belief& belief, const Labels& labels,
-                     const FuseOptions& options) {
+                     const Setup& setup, bool surface_open) {
+  const FuseOptions& options = setup.options;
   FusedHeight fused;
   fused.t_s = sample.t_s;
   fused.residual_m.fill(std::numeric_limits<double>::quiet_NaN());
   fused.left_out = labels.left_out;
   fused.vps_seen = labels.vps;
   int readings = 0;
-  for (const HeightSource source : kSources) {
-    const auto reading = reading_of(sample, source, labels.vps, options);
+  for (const HeightSource source : kAllHeightSources) {
+    const auto reading = reading_of(sample, source, labels.vps, setup);
     if (!reading) continue;
     fused.residual_m[static_cast<std::size_t>(place(source))] =
         reading->value - reading->row.dot(belief.mean);
     readings += takes_part(labels, source);
   }
-  const double sigma = std::sqrt(std::max(0.0, belief.covariance(kHeight, kHeight)));
+  const double guess = surface_open ? options.row_height_m.value : 0.0;
+  const double sigma = std::hypot(std::sqrt(std::max(0.0, belief.covariance(kHeight, kHeight))), guess);
   fused.above_canopy_m = {belief.mean[kHeight], sigma, readings};
   if (options.row_height_m.usable()) {
     State lifted = State::Zero();
     lifted[kHeight] = lifted[kRowHeight] = 1.0;
-    fused.above_ground_m = {lifted.dot(belief.mean) + options.row_height_m.value,
-                            std::sqrt(std::max(0.0, lifted.dot(belief.covariance * lifted))), readings};
+    fused.above_ground_m = {
+        lifted.dot(belief.mean) + options.row_height_m.value,
+        std::hypot(std::sqrt(std::max(0.0, lifted.dot(belief.covariance * lifted))), guess), readings};
   }
   return fused;
 }
@@ -361,19 +385,24 @@ std::string source_name(HeightSource source) {
 Result<FusedFlight> fuse(const std::vector<HeightSample>& samples, const FuseOptions& options) {
   FURROW_DO(check_input(samples, options));
   std::vector<Labels> labels = first_labels(samples, options);
+  Setup setup{options};
   FusedFlight flight;
   std::vector<Belief> beliefs;
   for (flight.passes = 1; flight.passes <= kMaxPasses; ++flight.passes) {
-    beliefs = smooth(samples, labels, options);
+    beliefs = smooth(samples, labels, setup);
     std::vector<Labels> next;
     for (std::size_t i = 0; i < samples.size(); ++i)
-      next.push_back(label(samples[i], beliefs[i], labels[i], options));
-    if (same(next, labels)) break;
+      next.push_back(label(samples[i], beliefs[i], labels[i], setup));
+    const auto noise = seen_noises(samples, beliefs, labels, setup);
+    if (same(next, labels) && same(noise, setup.noise_scale)) break;
     labels = std::move(next);
+    setup.noise_scale = noise;
   }
-  beliefs = smooth(samples, labels, options);
+  beliefs = smooth(samples, labels, setup);
+  flight.noise_scale = setup.noise_scale;
+  flight.surface_open = !any_absolute(samples, options) && on_one_level(labels);
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    flight.heights.push_back(describe(samples[i], beliefs[i], labels[i], options));
+    flight.heights.push_back(describe(samples[i], beliefs[i], labels[i], setup, flight.surface_open));
   }
   count_sources(flight);
   const Belief& last = beliefs.back();

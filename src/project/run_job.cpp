@@ -17,6 +17,7 @@
 #include "furrow/project/jobs.h"
 #include "furrow/report/page.h"
 #include "project/calibration_outputs.h"
+#include "project/fusion.h"
 #include "project/manifest.h"
 #include "project/pages.h"
 #include "project/shot_chain.h"
@@ -98,16 +99,19 @@ std::pair<int, int> common_size(const std::vector<ShotResult>& results) {
   return most == counts.end() ? std::pair{0, 0} : most->first;
 }
 
-/// All shots of the common size at once; the others go in without rows, so that places are kept.
+enum class LogSteps { used, left_out };
+
+/// All shots of the common size at once; the others go in without rows, so that places are kept. For the
+/// fusion the log's steps are left out: it hears the log itself.
 Result<altitude::RefinedFlight> refine_flight(const std::vector<ShotResult>& results, const Project& project,
-                                              const JobOptions& job) {
+                                              LogSteps steps, const JobOptions& job) {
   const auto size = common_size(results);
   std::vector<altitude::ShotInput> inputs;
   const Camera* camera = nullptr;
   for (const ShotResult& result : results) {
     const bool fits = result.camera && std::pair{result.camera->width, result.camera->height} == size;
     inputs.push_back({result.record.shot_id, fits ? result.lines : rows::RowLines{}, result.prior,
-                      result.record.height_takeoff_m});
+                      steps == LogSteps::used ? result.record.height_takeoff_m : std::nan("")});
     if (fits) camera = &*result.camera;
   }
   if (camera == nullptr) return Error{"no_usable_shot", project.name, "no shot has rows", "", ""};
@@ -234,6 +238,19 @@ base::Value inputs_value(const Project& project) {
   return hash_inputs(files);
 }
 
+/// What the pictures alone say of each shot: within the flight where it carries the shot.
+std::vector<VisionHeight> vision_heights(const std::vector<ShotResult>& results, const Project& project,
+                                         const JobOptions& job) {
+  const auto flight = refine_flight(results, project, LogSteps::left_out, job);
+  std::vector<VisionHeight> heights;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    heights.push_back(results[i].vision);
+    if (flight.ok() && flight->shots[i].usable)
+      heights.back() = {flight->shots[i].height_above_canopy_m, flight->shots[i].height_common_sigma_m};
+  }
+  return heights;
+}
+
 /// Every measured table and picture of a run, ready to be written.
 struct RunTables {
   RunCamera camera;
@@ -242,6 +259,7 @@ struct RunTables {
   sync::Located located;
   std::vector<ShotResult> results;
   Result<altitude::RefinedFlight> flight = Error{"not_run", "flight", "not refined yet", "", ""};
+  Result<audit::FlightFusion> fusion = Error{"not_run", "fusion", "not fused yet", "", ""};
 };
 
 Result<RunTables> measure_flight(const Project& project, const JobOptions& job) {
@@ -253,7 +271,8 @@ Result<RunTables> measure_flight(const Project& project, const JobOptions& job) 
   tables.shots = read_shots(project, job);
   FURROW_TRY(tables.located, sync::locate_shots(tables.shots, tables.track));
   tables.results = process_shots(tables.shots, tables.located, tables.camera.camera, project, job);
-  tables.flight = refine_flight(tables.results, project, job);
+  tables.flight = refine_flight(tables.results, project, LogSteps::used, job);
+  tables.fusion = fuse_flight(tables.located, vision_heights(tables.results, project, job), project.field);
   return tables;
 }
 

@@ -98,6 +98,8 @@ void measure(ShotResult& result, const Camera& camera, const Project& project) {
   if (refined.ok()) {
     record = with_refined(std::move(record), *refined);
     record.above_canopy_shot_m = refined->height_above_canopy_m;
+    result.vision = vision_of_shot(*refined);
+    result.budget = refined->height_budget;
   } else {
     set_failure(record, refined.error());
   }

@@ -10,6 +10,7 @@
 #include "furrow/rows/row_lines.h"
 #include "furrow/sync/locate.h"
 #include "furrow/telemetry/shot.h"
+#include "project/fusion.h"
 
 namespace furrow::project {
 
@@ -18,6 +19,8 @@ struct ShotResult {
   audit::ShotRecord record;
   rows::RowLines lines;
   altitude::AttitudePrior prior;
+  VisionHeight vision;                       ///< of this shot alone
+  std::vector<altitude::SigmaShare> budget;  ///< of the height of this shot alone
   std::optional<Camera> camera;  ///< at this picture's size; nothing when it could not be carried there
   double elapsed_ms = 0.0;       ///< of the row detection
 };

@@ -106,6 +106,73 @@ TEST(Fuse, AnswersWithEachSourceSwitchedOff) {
   }
 }
 
+// A wrong spacing shifts every shot alike: a thousand shots are no better than the spacing.
+TEST(Fuse, ErrorsCommonToTheFlightDoNotAverageOut) {
+  base::Random random(4);
+  std::vector<HeightSample> samples(200);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].t_s = static_cast<double>(i);
+    samples[i].vision_above_canopy_m = {2.06 + random.normal(0.0, 0.04), 0.05, 1};
+    samples[i].vision_common_sigma_m = 0.03;
+  }
+  FuseOptions still = options();
+  still.acceleration_sigma = 0.001;
+  const auto fused = fuse(samples, still);
+  ASSERT_TRUE(fused.ok()) << fused.error().message();
+  EXPECT_GT(fused->heights[100].above_canopy_m.sigma, 0.03);
+  EXPECT_LT(fused->heights[100].above_canopy_m.sigma, 0.035);
+}
+
+// Level flight over a slope: the barometer stands still while the canopy rises by two row heights.
+TEST(Fuse, TellsLeavesFromSoilOverASlopeWithoutVision) {
+  base::Random random(5);
+  std::vector<HeightSample> samples(80);
+  std::vector<double> truth;
+  std::vector<Seen> seen;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    truth.push_back(6.0 - 0.04 * static_cast<double>(i));
+    seen.push_back(i % 11 < 6 ? Seen::canopy : Seen::soil);
+    samples[i].t_s = static_cast<double>(i);
+    samples[i].baro_height_m = 20.0 + random.normal(0.0, 0.1);
+    samples[i].vps_height_m =
+        truth.back() + (seen.back() == Seen::soil ? kCanopy : 0.0) + random.normal(0.0, 0.05);
+  }
+  const auto fused = fuse(samples, options());
+  ASSERT_TRUE(fused.ok()) << fused.error().message();
+  EXPECT_FALSE(fused->surface_open);
+  for (std::size_t i = 0; i < samples.size(); ++i) EXPECT_EQ(fused->heights[i].vps_seen, seen[i]) << i;
+  EXPECT_LT(rms(*fused, truth), 0.08);
+}
+
+// Never a jump: nobody knows whether these were leaves or soil, and the sigma says so.
+TEST(Fuse, ADownwardSensorOnOneLevelLeavesTheSurfaceOpen) {
+  base::Random random(6);
+  std::vector<HeightSample> samples(30);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].t_s = static_cast<double>(i);
+    samples[i].vps_height_m = 4.0 + random.normal(0.0, 0.05);
+  }
+  const auto fused = fuse(samples, options());
+  ASSERT_TRUE(fused.ok()) << fused.error().message();
+  EXPECT_TRUE(fused->surface_open);
+  EXPECT_GT(fused->heights[10].above_canopy_m.sigma, kCanopy);
+}
+
+// A sensor twice as noisy as it claims is found out, and the sigma of the heights follows.
+TEST(Fuse, NoiseIsWhatTheFlightShows) {
+  base::Random random(7);
+  std::vector<HeightSample> samples(300);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].t_s = static_cast<double>(i);
+    samples[i].vision_above_canopy_m = {2.0 + random.normal(0.0, 0.2), 0.1, 1};
+  }
+  FuseOptions still = options();
+  still.acceleration_sigma = 0.01;
+  const auto fused = fuse(samples, still);
+  ASSERT_TRUE(fused.ok()) << fused.error().message();
+  EXPECT_NEAR(fused->noise_scale[static_cast<std::size_t>(HeightSource::vision)], 2.0, 0.2);
+}
+
 TEST(Fuse, NamesWhatCannotBeAnswered) {
   EXPECT_EQ(fuse({}, options()).error().code, "no_samples");
   HeightSample a, b;

@@ -25,6 +25,8 @@ struct HeightSample {
 
 enum class HeightSource { vision, depth, baro, vps, gnss };
 inline constexpr int kHeightSources = 5;
+inline constexpr std::array<HeightSource, kHeightSources> kAllHeightSources = {
+    HeightSource::vision, HeightSource::depth, HeightSource::baro, HeightSource::vps, HeightSource::gnss};
 /// "vision", "depth", ...
 std::string source_name(HeightSource source);
 
@@ -34,11 +36,15 @@ struct FuseOptions {
   /// One-sigma of the vertical acceleration of the aircraft, m/s^2: how fast its climb may change. Default:
   /// gentle crop flight.
   double acceleration_sigma = 0.3;
-  /// One-sigma of a barometer's reading, and of its drift against the canopy in one second: weather, warming
-  /// and waves of the ground. Defaults: small MEMS barometers; half a metre in a hundred seconds (8 m in two
-  /// hours were seen).
+  /// One-sigma of a barometer's reading, and of its drift in one second. Defaults: small MEMS barometers;
+  /// half a metre in a quarter of an hour.
   double baro_sigma_m = 0.15;
-  double baro_drift_m_per_sqrt_s = 0.05;
+  double baro_drift_m_per_sqrt_s = 0.02;
+  /// The canopy's level below the aircraft rises and falls with the ground, which barometer and GNSS do not
+  /// see: one-sigma of its rate, m/s, and of the rate's change in one second. Defaults: 5 % at 1 m/s, and
+  /// waves of some tens of metres.
+  double ground_rate_sigma = 0.05;
+  double ground_rate_drift = 0.02;
   /// One-sigma of a downward sensor's reading over leaves or soil.
   double vps_sigma_m = 0.10;
   /// One-sigma of a GNSS height about its bias, and of the bias's change in one second.
@@ -70,7 +76,12 @@ struct FusedFlight {
   std::array<int, kHeightSources> used = {};        ///< readings that took part
   std::array<int, kHeightSources> gated = {};
   std::array<double, kHeightSources> residual_rms_m = {};  ///< of those used; NaN for none
-  int passes = 0;                                          ///< of smoothing, until no reading changed sides
+  /// The noise that the flight shows over the noise that was claimed, drawn to 1 by 20 readings' worth.
+  std::array<double, kHeightSources> noise_scale = {1.0, 1.0, 1.0, 1.0, 1.0};
+  int passes = 0;  ///< of smoothing, until nothing changed
+  /// Only a downward sensor fixes the height, and it never changed its level: leaves or soil is a guess, and
+  /// the row height stands in the sigma.
+  bool surface_open = false;
 };
 
 /// Kalman smoother over the flight (docs/formulation/altitude.md, section 11) with height, climb and each

@@ -1,0 +1,84 @@
+#include "project/fusion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace furrow::project {
+namespace {
+
+using altitude::HeightSample;
+using altitude::HeightSource;
+
+/// Moment of a shot on the log's clock, or on the pictures' own; nothing where neither is known.
+std::optional<double> time_of(const sync::ShotPose& pose) {
+  const bool in_log = std::isfinite(pose.t_sigma_s);
+  if (in_log) return base::ns_to_seconds(pose.state.t_log_ns);
+  if (pose.state.t_utc_ns) return base::ns_to_seconds(*pose.state.t_utc_ns);
+  return std::nullopt;
+}
+
+/// A receiver's height, by one reference for the whole flight: the ellipsoid where any shot has it.
+std::vector<double> gnss_heights(const sync::Located& located) {
+  const bool ellipsoid =
+      std::any_of(located.poses.begin(), located.poses.end(),
+                  [](const sync::ShotPose& pose) { return std::isfinite(pose.state.height_ellipsoid_m); });
+  std::vector<double> heights;
+  for (const sync::ShotPose& pose : located.poses)
+    heights.push_back(ellipsoid ? pose.state.height_ellipsoid_m : pose.state.height_geoid_m);
+  return heights;
+}
+
+/// Samples in order of time. Shots of one clock step are set apart by a millisecond.
+void add_samples(const sync::Located& located, const std::vector<VisionHeight>& vision,
+                 audit::FlightFusion& fusion) {
+  constexpr double kApart_s = 1e-3;
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < located.poses.size(); ++i) {
+    if (const auto t = time_of(located.poses[i])) order.push_back({*t, i});
+  }
+  std::sort(order.begin(), order.end());
+  const std::vector<double> gnss = gnss_heights(located);
+  for (const auto& [t, i] : order) {
+    HeightSample sample;
+    sample.t_s = t - order.front().first;
+    if (!fusion.samples.empty()) sample.t_s = std::max(sample.t_s, fusion.samples.back().t_s + kApart_s);
+    sample.vision_above_canopy_m = vision[i].above_canopy_m;
+    sample.vision_common_sigma_m = vision[i].common_sigma_m;
+    sample.baro_height_m = located.poses[i].state.height_takeoff_m;
+    sample.vps_height_m = located.poses[i].state.height_vps_m;
+    sample.gnss_height_m = gnss[i];
+    fusion.samples.push_back(sample);
+    fusion.shots.push_back(i);
+  }
+}
+
+}  // namespace
+
+VisionHeight vision_of_shot(const altitude::RefinedShot& shot) {
+  double own = 0.0;
+  for (const altitude::SigmaShare& share : shot.height_budget) {
+    if (share.cause == "picture" || share.cause == "plants") own += share.sigma_m * share.sigma_m;
+  }
+  const double sigma = shot.height_above_canopy_m.sigma;
+  return {shot.height_above_canopy_m, std::sqrt(std::max(0.0, sigma * sigma - own))};
+}
+
+Result<audit::FlightFusion> fuse_flight(const sync::Located& located, const std::vector<VisionHeight>& vision,
+                                        const altitude::FieldKnowledge& field) {
+  audit::FlightFusion fusion;
+  add_samples(located, vision, fusion);
+  if (fusion.samples.empty()) {
+    return Error{"no_times", "fusion", "no shot has a time", "a log, or pictures that state their time", ""};
+  }
+  altitude::FuseOptions options;
+  options.row_height_m = field.row_height_m;
+  FURROW_TRY(fusion.fused, altitude::fuse(fusion.samples, options));
+  for (const HeightSource source : audit::speaking_sources(fusion)) {
+    altitude::FuseOptions without = options;
+    without.use[static_cast<std::size_t>(source)] = false;
+    fusion.without.push_back({source, altitude::fuse(fusion.samples, without)});
+  }
+  return fusion;
+}
+
+}  // namespace furrow::project

@@ -1,0 +1,25 @@
+#pragma once
+#include <vector>
+
+#include "furrow/altitude/field_knowledge.h"
+#include "furrow/altitude/shot_height.h"
+#include "furrow/audit/fusion.h"
+#include "furrow/sync/locate.h"
+
+namespace furrow::project {
+
+/// What the pictures alone say about one shot's height; unusable where they say nothing.
+struct VisionHeight {
+  Estimate above_canopy_m;
+  double common_sigma_m = 0.0;  ///< part of the sigma that all shots err by together
+};
+
+/// Of a shot refined alone: all but its own picture and plants is taken for common to the flight.
+VisionHeight vision_of_shot(const altitude::RefinedShot& shot);
+
+/// Vision, barometer, downward sensor and GNSS of every shot that has a time, fused; then again with each
+/// source off. Readings are those of the log at the shots. Errors: no_times, those of altitude::fuse.
+Result<audit::FlightFusion> fuse_flight(const sync::Located& located, const std::vector<VisionHeight>& vision,
+                                        const altitude::FieldKnowledge& field);
+
+}  // namespace furrow::project

@@ -1,0 +1,200 @@
+// Fusion on the simulator's own logs: drifting and gusty barometer, a downward sensor that jumps between
+// leaves and soil, late rows and rows that are missing. Vision is drawn, so that many flights can be judged.
+#include "project/fusion.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "furrow/base/random.h"
+#include "furrow/sim/simulate.h"
+#include "furrow/sim/world.h"
+#include "sim/airdata.h"
+
+namespace furrow::project {
+namespace {
+
+struct Flown {
+  sim::Scene scene;
+  std::vector<sim::ShotTruth> truth;
+  sync::Located located;
+  std::vector<VisionHeight> vision;
+  altitude::FieldKnowledge field;
+  std::vector<audit::ShotRecord> records;
+};
+
+/// Heights as pictures give them: a common error of 1 %, 2 % and 2 cm of each shot's own, some without rows,
+/// some far off.
+std::vector<VisionHeight> draw_vision(const std::vector<sim::ShotTruth>& truth, base::Random& random) {
+  constexpr double kCommonShare = 0.01;
+  const double common = random.normal(0.0, kCommonShare);
+  std::vector<VisionHeight> vision(truth.size());
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const double height = truth[i].height_above_canopy_m, own = 0.02 * height + 0.02;
+    if (random.uniform() < 0.08) continue;
+    const double off = random.uniform() < 0.04 ? 0.4 * height : 0.0;
+    vision[i] = {
+        {height * (1.0 + common) + random.normal(0.0, own) + off, std::hypot(own, kCommonShare * height), 1},
+        kCommonShare * height};
+  }
+  return vision;
+}
+
+/// A receiver's height above the ellipsoid: constant bias, slow error.
+void add_gnss(sync::Located& located, const std::vector<sim::ShotTruth>& truth, base::Random& random) {
+  const double bias = random.normal(230.0, 3.0);
+  double slow = random.normal(0.0, 0.4);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    constexpr double kKept = 0.9;  // from shot to shot, 2 s apart
+    slow = kKept * slow + 0.4 * std::sqrt(1.0 - kKept * kKept) * random.normal();
+    located.poses[i].state.height_ellipsoid_m = truth[i].x_in_world.z() + bias + slow;
+  }
+}
+
+Flown fly(sim::Scene scene, std::uint64_t seed, bool gnss = false) {
+  scene.seed = seed;
+  base::Random random(seed);
+  Flown flown{scene, sim::true_shots(scene), {}, {}, {}, {}};
+  const auto track = telemetry::parse_track(sim::airdata_csv(scene), "airdata.csv");
+  EXPECT_TRUE(track.ok());
+  std::vector<telemetry::Shot> shots;
+  for (const sim::ShotTruth& truth : flown.truth) {
+    shots.emplace_back().shot_id = truth.shot_id;
+    auto& record = flown.records.emplace_back();
+    record.shot_id = truth.shot_id;
+    record.truth_above_canopy_m = truth.height_above_canopy_m;
+  }
+  auto located = sync::locate_shots(shots, *track);
+  if (!located.ok()) ADD_FAILURE() << seed << located.error().message();
+  flown.located = std::move(*located);
+  flown.vision = draw_vision(flown.truth, random);
+  if (gnss) add_gnss(flown.located, flown.truth, random);
+  const double height = scene.field.row_height_m;
+  flown.field.row_height_m = {height + random.normal(0.0, 0.05 * height), 0.05 * height, 1};
+  return flown;
+}
+
+/// Estimates and truths of many flights, trial by trial.
+struct Pool {
+  std::vector<Estimate> heights;
+  std::vector<double> truths;
+};
+
+std::map<std::string, Pool> pool_flights(const sim::Scene& scene, int flights, bool gnss) {
+  std::map<std::string, Pool> pools;
+  for (int seed = 1; seed <= flights; ++seed) {
+    const Flown flown = fly(scene, static_cast<std::uint64_t>(seed), gnss);
+    const auto fusion = fuse_flight(flown.located, flown.vision, flown.field);
+    EXPECT_TRUE(fusion.ok()) << fusion.error().message();
+    const auto add = [&](const std::string& name, const altitude::FusedFlight& fused) {
+      for (std::size_t i = 0; i < fusion->shots.size(); ++i) {
+        pools[name].heights.push_back(fused.heights[i].above_canopy_m);
+        pools[name].truths.push_back(flown.truth[fusion->shots[i]].height_above_canopy_m);
+      }
+    };
+    add("all", fusion->fused);
+    for (const audit::FusionTrial& trial : fusion->without) {
+      if (trial.fused.ok()) add("without " + altitude::source_name(trial.off), *trial.fused);
+    }
+  }
+  return pools;
+}
+
+sim::Scene bad_log() {
+  sim::Scene scene = sim::demo_scene();
+  scene.log.latency_s = 0.3;
+  scene.log.dropout_probability = 0.04;
+  scene.log.baro_gust_m = 0.2;
+  scene.log.baro_drift_m = 1.0;
+  return scene;
+}
+
+sim::Scene climb() {
+  sim::Scene scene = sim::demo_scene();
+  scene.flight.legs.resize(1);
+  scene.flight.legs[0].end_height_above_ground_m = 6.0;
+  scene.flight.legs[0].shots = 24;
+  return scene;
+}
+
+sim::Scene hills() {
+  sim::Scene scene = bad_log();
+  scene.field.undulation_m = 0.25;
+  scene.field.undulation_wavelength_m = 45.0;
+  scene.field.slope_along = 0.05;
+  return scene;
+}
+
+struct Case {
+  const char* name;
+  sim::Scene scene;
+  bool gnss;
+};
+
+class FusionOfSimulatedLogs : public ::testing::TestWithParam<int> {};
+
+std::vector<Case> cases() {
+  return {{"demo", sim::demo_scene(), false}, {"bad log", bad_log(), false},     {"climb", climb(), false},
+          {"hills", hills(), false},          {"demo", sim::demo_scene(), true}, {"hills", hills(), true}};
+}
+
+TEST_P(FusionOfSimulatedLogs, SigmaHoldsWithAllSourcesAndWithoutVision) {
+  const Case c = cases()[static_cast<std::size_t>(GetParam())];
+  for (const auto& [trial, pool] : pool_flights(c.scene, 30, c.gnss)) {
+    const auto line = audit::compare(trial, pool.heights, pool.truths);
+    std::printf("%-8s %-5s %-15s %4d shots, RMSE %.3f m, bias %+.3f m, in 1 sigma %.2f, in 2 sigma %.2f\n",
+                c.name, c.gnss ? "GNSS" : "", trial.c_str(), line.shots, line.rmse_m, line.mean_error_m,
+                line.within_1_sigma, line.within_2_sigma);
+    // The downward sensor is better than it claims, so sigmas may be wide; narrow they must not be.
+    EXPECT_GE(line.within_1_sigma, 0.633) << trial;
+    EXPECT_GE(line.within_2_sigma, trial == "all" ? 0.94 : 0.89) << trial;
+    if (trial != "all") continue;
+    EXPECT_LE(line.within_1_sigma, 0.79);
+    EXPECT_LE(line.rmse_m, 0.09);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, FusionOfSimulatedLogs, ::testing::Range(0, 6));
+
+TEST(FuseFlight, SaysWhyThereIsNothingToFuse) {
+  sync::Located located;
+  located.poses.resize(2);
+  EXPECT_EQ(fuse_flight(located, std::vector<VisionHeight>(2), {}).error().code, "no_times");
+  for (int i = 0; i < 2; ++i) located.poses[static_cast<std::size_t>(i)].state.t_utc_ns = 0;
+  EXPECT_EQ(fuse_flight(located, std::vector<VisionHeight>(2), {}).error().code, "no_absolute_height");
+  // Two shots in one second of a clock are two samples.
+  const std::vector<VisionHeight> vision(2, {{2.0, 0.1, 1}, 0.02});
+  const auto fusion = fuse_flight(located, vision, {});
+  ASSERT_TRUE(fusion.ok()) << fusion.error().message();
+  EXPECT_EQ(fusion->samples.size(), 2U);
+  EXPECT_EQ(fusion->without.size(), 1U);  // vision alone spoke
+  EXPECT_FALSE(fusion->without[0].fused.ok());
+  EXPECT_EQ(audit::trials_table(*fusion).rows[1][4], "only barometer or GNSS, whose zero is not known");
+}
+
+TEST(FusionTable, HasEverySourcesReadingResidualAndUse) {
+  const Flown flown = fly(sim::demo_scene(), 3);
+  const auto fusion = fuse_flight(flown.located, flown.vision, flown.field);
+  ASSERT_TRUE(fusion.ok()) << fusion.error().message();
+  const auto table = audit::fusion_table(flown.records, *fusion);
+  ASSERT_EQ(table.rows.size(), flown.truth.size());
+  EXPECT_FALSE(table.column("gnss_m"));
+  const auto cell = [&](std::size_t row, const char* name) {
+    return table.rows[row][table.column(name).value()];
+  };
+  EXPECT_EQ(cell(0, "shot_id"), "shot-0001");
+  EXPECT_FALSE(cell(0, "baro_residual_m").empty());
+  int soil = 0;
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    EXPECT_EQ(cell(i, "vision_use").empty(), !flown.vision[i].above_canopy_m.usable());
+    soil += cell(i, "vps_use") == "used, saw soil";
+  }
+  EXPECT_GT(soil, 5);
+  const auto lines = audit::compare_fusion(flown.records, *fusion);
+  ASSERT_EQ(lines.size(), 4U);
+  EXPECT_EQ(lines[1].method, "fused without vision");
+}
+
+}  // namespace
+}  // namespace furrow::project
