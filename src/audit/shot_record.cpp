@@ -42,6 +42,7 @@ std::vector<std::pair<std::string, Cell>> columns() {
       {"pitch_deg", value_of(&R::pitch_deg, 4)},
       {"pitch_sigma_deg", sigma_of(&R::pitch_deg, 4)},
       {"above_canopy_thesis_m", value_of(&R::above_canopy_thesis_m, 4)},
+      {"above_canopy_thesis_hand_m", value_of(&R::above_canopy_thesis_hand_m, 4)},
       {"above_canopy_spacing_m", value_of(&R::above_canopy_spacing_m, 4)},
       {"above_canopy_spacing_sigma_m", sigma_of(&R::above_canopy_spacing_m, 4)},
       {"above_canopy_refined_m", value_of(&R::above_canopy_refined_m, 4)},

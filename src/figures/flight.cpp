@@ -7,6 +7,7 @@
 #include "figures/looks.h"
 #include "figures/plot.h"
 #include "furrow/figures/figures.h"
+#include "furrow/figures/sources.h"
 
 namespace furrow::figures {
 namespace {
@@ -216,6 +217,29 @@ Result<Figure> cross_track_over_shots(const std::vector<ShotRecord>& records, co
       " of " + count_of(records.size(), "shot") +
       "; positive when the camera is left of the row, seen along the flight. The band is one sigma wide to "
       "each side.";
+  return draw_over_shots(std::move(wanted), records, options);
+}
+
+Result<Figure> log_heights_over_shots(const std::vector<ShotRecord>& records, bool vps,
+                                      const FigureOptions& options) {
+  OverShots wanted;
+  wanted.name = vps ? "log_and_vps_over_shots" : "log_over_shots";
+  wanted.y_text = "height / m";
+  const auto log = [](const ShotRecord& r) { return r.height_takeoff_m; };
+  const auto below = [](const ShotRecord& r) { return r.height_vps_m; };
+  if (count_finite(records, log) == 0 || (vps && count_finite(records, below) == 0)) {
+    return nothing_to_draw(wanted.name, vps ? "no shot with both a log height and VPS" : "no log height",
+                           "at least one");
+  }
+  wanted.curves = {{log_look("log, above take-off"), "height_takeoff_m",
+                    [=](const ShotRecord& r) { return bare(log(r)); }}};
+  wanted.caption = "Height of the log (IMU and barometer) above the take-off point over the flight";
+  if (vps) {
+    wanted.curves.push_back(
+        {vps_look(), "height_vps_m", [=](const ShotRecord& r) { return bare(below(r)); }});
+    wanted.caption += ", and height of the downward sensor (VPS) above whatever surface it saw";
+  }
+  wanted.caption += ".";
   return draw_over_shots(std::move(wanted), records, options);
 }
 

@@ -5,33 +5,13 @@
 
 #include "figures/finish.h"
 #include "figures/looks.h"
+#include "furrow/audit/legs.h"
 #include "furrow/figures/comparison.h"
 
 namespace furrow::figures {
 
+using audit::HeightLeg;
 using audit::ShotRecord;
-
-std::vector<HeightLeg> height_legs(const std::vector<ShotRecord>& records, double step_m) {
-  std::vector<HeightLeg> legs;
-  double sum = 0.0;
-  int known = 0;
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    const double height = records[i].height_takeoff_m;
-    const bool has = std::isfinite(height);
-    if (legs.empty() || (has && known > 0 && std::abs(height - sum / known) > step_m)) {
-      legs.push_back({i, i, std::numeric_limits<double>::quiet_NaN()});
-      sum = 0.0;
-      known = 0;
-    }
-    legs.back().last = i;
-    if (!has) continue;
-    sum += height;
-    ++known;
-    legs.back().mean_height_m = sum / known;
-  }
-  std::erase_if(legs, [](const HeightLeg& leg) { return !std::isfinite(leg.mean_height_m); });
-  return legs;
-}
 
 namespace {
 
@@ -136,7 +116,7 @@ Result<Figure> heights_by_leg(const std::vector<ShotRecord>& records, double row
   constexpr std::size_t kMostPanels = 9;
   constexpr double kNarrowestPanelMm = 50.0, kMostColumns = 3.0;
   const std::string name = "heights_by_leg";
-  const std::vector<HeightLeg> all = height_legs(records), shown = longest(all, kMostPanels);
+  const std::vector<HeightLeg> all = audit::height_legs(records), shown = longest(all, kMostPanels);
   if (shown.empty()) return nothing_to_draw(name, "no shot with a log height", "at least one");
   std::vector<Panel> panels;
   for (const HeightLeg& leg : shown) panels.push_back(panel_of(records, leg, row_height_m));

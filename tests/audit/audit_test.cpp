@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "furrow/audit/budget.h"
 #include "furrow/audit/finding.h"
+#include "furrow/audit/legs.h"
 #include "furrow/audit/shot_record.h"
 #include "furrow/audit/truth.h"
 
@@ -92,6 +94,54 @@ TEST(AssessCalibration, ListsUnusedPictures) {
   const Finding finding = assess_calibration(calibration, {})[0];
   EXPECT_EQ(finding.verdict, Verdict::fail);
   EXPECT_NE(finding.evidence.find("b.jpg (no board found)"), std::string::npos);
+}
+
+/// Three stretches of four shots at 3, 4 and 5 m by a log that is right; the thesis errs by +0.5 and -0.5 m.
+std::vector<ShotRecord> three_legs() {
+  std::vector<ShotRecord> records;
+  for (int i = 0; i < 12; ++i) {
+    const double ground_m = 3.0 + i / 4;
+    auto& r = records.emplace_back(shot("s" + std::to_string(i), ground_m - 1.7, ground_m));
+    r.above_canopy_thesis_m.value = ground_m - 1.7 + (i % 2 == 0 ? 0.5 : -0.5);
+  }
+  records[5].above_canopy_thesis_m = {};
+  return records;
+}
+
+TEST(HeightLegs, FollowTheLogsSteps) {
+  const auto legs = height_legs(three_legs());
+  ASSERT_EQ(legs.size(), 3U);
+  EXPECT_EQ(legs[0].first, 0U);
+  EXPECT_EQ(legs[0].last, 3U);
+  EXPECT_EQ(legs[2].last, 11U);
+  EXPECT_NEAR(legs[1].mean_height_m, 4.0, 1e-12);
+  EXPECT_TRUE(height_legs({}).empty());
+  EXPECT_TRUE(height_legs(std::vector<ShotRecord>(4)).empty());
+}
+
+TEST(LegTable, CountsAsTheThesisDid) {
+  const auto table = leg_table(three_legs(), 1.7);
+  ASSERT_EQ(table.rows.size(), 8U);  // thesis and refined for three legs and in total
+  EXPECT_EQ(table.rows[0], (std::vector<std::string>{"log at 3.0 m", "thesis, automatic half width", "4 of 4",
+                                                     "3.000", "0.000", "0.577"}));
+  EXPECT_EQ(table.rows[2][2], "3 of 4");
+  EXPECT_EQ(table.rows[7][0], "total");
+  EXPECT_EQ(table.rows[7][3], "4.000");
+  EXPECT_TRUE(leg_table(three_legs(), std::nan("")).rows.empty());
+}
+
+TEST(Budget, LargestCauseIsByVarianceRelativeToTheHeight) {
+  const std::vector<ShotBudget> budgets = {{"a", {1.0, 0.05, 1}, {{"plants", 0.04}, {"spacing", 0.03}}},
+                                           {"b", {10.0, 0.05, 1}, {{"plants", 0.03}, {"spacing", 0.04}}},
+                                           {"c", {}, {}}};
+  const auto causes = causes_of(budgets);
+  ASSERT_EQ(causes.size(), 2U);
+  EXPECT_EQ(causes[0].cause, "plants");
+  EXPECT_NEAR(causes[0].variance_share + causes[1].variance_share, 1.0, 1e-12);
+  const auto table = budget_table(budgets);
+  EXPECT_EQ(table.rows[0], (std::vector<std::string>{"a", "1.0000", "0.0500", "0.0400", "0.0300"}));
+  EXPECT_EQ(table.rows[2], (std::vector<std::string>{"c", "", "", "", ""}));
+  EXPECT_TRUE(causes_of({}).empty());
 }
 
 TEST(CompareWithTruth, FormsErrorsPerMethod) {

@@ -15,6 +15,8 @@
 #include "furrow/base/parallel.h"
 #include "furrow/figures/comparison.h"
 #include "furrow/figures/pictures.h"
+#include "furrow/figures/sources.h"
+#include "furrow/figures/stacked.h"
 
 namespace furrow::figures {
 namespace {
@@ -39,6 +41,9 @@ struct Case {
 std::vector<Case> all_figures() {
   const auto records = samples::flight();
   const auto calibration = samples::calibration();
+  const auto fusion = samples::fusion(records);
+  const auto budgets = samples::budgets(records);
+  const auto plans = samples::plans();
   const auto field = samples::field(640, 360, 45.0);
   const std::vector<NamedPicture> steps{{"green mask", field.picture}, {"otsu <1>", field.picture}};
   return {
@@ -53,6 +58,12 @@ std::vector<Case> all_figures() {
       {"height_agreement_truth_errors",
        [=](const auto& o) { return error_histogram(heights_against_truth(records), o); }},
       {"heights_by_leg", [=](const auto& o) { return heights_by_leg(records, 1.7, o); }},
+      {"log_over_shots", [=](const auto& o) { return log_heights_over_shots(records, false, o); }},
+      {"log_and_vps_over_shots", [=](const auto& o) { return log_heights_over_shots(records, true, o); }},
+      {"fusion_over_shots", [=](const auto& o) { return fusion_over_shots(records, fusion, o); }},
+      {"budget_over_shots", [=](const auto& o) { return budget_over_shots(budgets, o); }},
+      {"plan_over_pitch", [=](const auto& o) { return plan_over_pitch(plans, o); }},
+      {"plan_over_height", [=](const auto& o) { return plan_over_height(plans, o); }},
       {"residual_map", [=](const auto& o) { return residual_map(calibration, o); }},
       {"birds_eye_shot-1003",
        [=](const auto& o) { return birds_eye(samples::from_above(), "shot-1003", o); }},
@@ -278,15 +289,13 @@ TEST(Figures, PhotographKeepsItsColoursInTheOverlay) {
   EXPECT_TRUE(holds(figure.svg, "data:image/jpeg;base64,"));
 }
 
-TEST(Figures, LegsFollowTheLogsSteps) {
-  const auto legs = height_legs(samples::flight(48));
-  ASSERT_EQ(legs.size(), 3u);
-  EXPECT_EQ(legs[0].first, 0u);
-  EXPECT_EQ(legs[0].last, 15u);
-  EXPECT_EQ(legs[2].last, 47u);
-  EXPECT_NEAR(legs[1].mean_height_m, 4.1, 0.1);
-  EXPECT_TRUE(height_legs({}).empty());
-  EXPECT_TRUE(height_legs(std::vector<audit::ShotRecord>(4)).empty());
+TEST(Figures, SayWhenThereIsNoHeightToDraw) {
+  const std::vector<audit::ShotRecord> none(3);
+  EXPECT_EQ(log_heights_over_shots(none, false).error().code, "nothing_to_draw");
+  EXPECT_EQ(log_heights_over_shots(none, true).error().code, "nothing_to_draw");
+  EXPECT_EQ(fusion_over_shots(none, {}).error().code, "nothing_to_draw");
+  EXPECT_EQ(budget_over_shots({{"a", {}, {}}}).error().code, "nothing_to_draw");
+  EXPECT_EQ(plan_over_pitch({}).error().code, "nothing_to_draw");
 }
 
 TEST(Figures, WrittenFilesAreTheFigure) {

@@ -6,6 +6,9 @@
 #include <vector>
 
 #include "furrow/altitude/birds_eye.h"
+#include "furrow/altitude/plan.h"
+#include "furrow/audit/budget.h"
+#include "furrow/audit/fusion.h"
 #include "furrow/audit/shot_record.h"
 #include "furrow/base/random.h"
 #include "furrow/calib/calibrate.h"
@@ -50,6 +53,57 @@ inline std::vector<audit::ShotRecord> flight(std::size_t shots = 48) {
     records.push_back(r);
   }
   return records;
+}
+
+/// The same flight fused, two seconds from shot to shot.
+inline audit::FlightFusion fusion(const std::vector<audit::ShotRecord>& records) {
+  audit::FlightFusion made;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    altitude::HeightSample sample;
+    sample.t_s = 2.0 * static_cast<double>(i);
+    sample.vision_above_canopy_m = records[i].above_canopy_refined_m;
+    if (i % 19 == 7) sample.vision_above_canopy_m.value += 1.0;
+    sample.baro_height_m = records[i].height_takeoff_m;
+    sample.vps_height_m = records[i].height_vps_m;
+    made.samples.push_back(sample);
+    made.shots.push_back(i);
+  }
+  altitude::FuseOptions options;
+  options.row_height_m = {1.7, 0.05, 1};
+  made.fused = altitude::fuse(made.samples, options).value();
+  return made;
+}
+
+/// Sigmas of that flight by cause.
+inline std::vector<audit::ShotBudget> budgets(const std::vector<audit::ShotRecord>& records) {
+  std::vector<audit::ShotBudget> made;
+  for (const audit::ShotRecord& r : records) {
+    const double sigma = r.above_canopy_refined_m.sigma;
+    made.push_back({r.shot_id,
+                    r.above_canopy_refined_m,
+                    {{"picture", 0.3 * sigma},
+                     {"plants", 0.7 * sigma},
+                     {"spacing", 0.5 * sigma},
+                     {"half_width", 0.2 * sigma},
+                     {"pitch", 0.3 * sigma},
+                     {"distortion", -0.1 * sigma},
+                     {"other", 0.2 * sigma}}});
+  }
+  return made;
+}
+
+/// Plans from -10 to -90 degrees, and from half to double the height.
+inline std::vector<altitude::PlannedShot> plans() {
+  std::vector<altitude::PlannedShot> made;
+  for (int i = 2; i <= 18; ++i) {
+    altitude::PlannedShot plan;
+    plan.pose = {0.5 * i, -0.0873 * i, 0.0, 0.0};
+    const double sigma = 0.02 * 0.5 * i * (1.0 + 4.0 / i);
+    plan.height_above_canopy_m = {0.5 * i, sigma, 100};
+    plan.height_budget = {{"picture", 0.8 * sigma}, {"spacing", 0.6 * sigma}};
+    made.push_back(plan);
+  }
+  return made;
 }
 
 /// Boards half a metre to two metres before a camera like the thesis's; two views are not used.

@@ -29,8 +29,9 @@ struct TruthComparison {
 TruthComparison compare(const std::string& method, std::span<const Estimate> heights,
                         std::span<const double> truths);
 
-/// One line for each way that a record measures its height ("thesis formula", "row spacing, closed form",
-/// "refined, each shot alone", "refined, whole flight", "fused"); empty when no record has a truth.
+/// One line for each way that a record measures its height ("thesis formula", "thesis formula, width by
+/// hand", "row spacing, closed form", "refined, each shot alone", "refined, whole flight", "fused"); empty
+/// when no record has a truth.
 std::vector<TruthComparison> compare_with_truth(const std::vector<ShotRecord>& records);
 
 /// The comparison for a person: one row for each method that has shots.

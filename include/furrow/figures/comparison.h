@@ -33,16 +33,6 @@ Result<Figure> agreement(const Comparison& comparison, const FigureOptions& opti
 /// deviation. Errors: nothing_to_draw (no pair).
 Result<Figure> error_histogram(const Comparison& comparison, const FigureOptions& options = {});
 
-/// Shots that follow each other at about the same height.
-struct HeightLeg {
-  std::size_t first = 0, last = 0;  ///< places in the records, both inclusive
-  double mean_height_m = 0.0;       ///< of the log, above take-off
-};
-
-/// Cuts a flight where the log's height leaves the mean of the running leg by more than `step_m`; shots
-/// without a log height stay with the leg they stand in. No leg when no shot has a log height.
-std::vector<HeightLeg> height_legs(const std::vector<audit::ShotRecord>& records, double step_m = 0.5);
-
 /// One panel per leg: refined and thesis height above ground against the log, shot by shot (the thesis's
 /// per-height figures). Errors: nothing_to_draw (no leg).
 Result<Figure> heights_by_leg(const std::vector<audit::ShotRecord>& records, double row_height_m,
