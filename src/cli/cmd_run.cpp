@@ -25,27 +25,25 @@ base::CsvTable heights_table(const std::vector<audit::ShotRecord>& records, bool
     return std::isfinite(value) ? base::format_fixed(value, 2) : std::string("-");
   };
   base::CsvTable table;
-  table.columns = {"shot", "log m", "thesis m", "spacing m", "refined m", "sigma m", "shot alone m"};
+  table.columns = {"shot",      "log m",   "thesis m",     "spacing m",
+                   "refined m", "sigma m", "shot alone m", "fused m"};
   if (with_truth) table.columns.push_back("true m");
   table.columns.push_back("status");
   for (const auto& r : records) {
     auto& row = table.rows.emplace_back(std::vector<std::string>{
         r.shot_id, number(r.height_takeoff_m), number(r.above_canopy_thesis_m.value),
         number(r.above_canopy_spacing_m.value), number(r.above_canopy_refined_m.value),
-        number(r.above_canopy_refined_m.sigma), number(r.above_canopy_shot_m.value)});
+        number(r.above_canopy_refined_m.sigma), number(r.above_canopy_shot_m.value),
+        number(r.above_canopy_fused_m.value)});
     if (with_truth) row.push_back(number(r.truth_above_canopy_m));
     row.push_back(r.status);
   }
   return table;
 }
 
-base::Value json_of(const project::RunOutcome& outcome) {
-  base::Value value;
-  value.set("report", outcome.report.string());
-  value.set("shots", outcome.records.size());
-  value.set("findings", findings_value(outcome.findings));
+base::Value comparison_value(const std::vector<audit::TruthComparison>& comparison) {
   base::Array lines;
-  for (const auto& line : audit::compare_with_truth(outcome.records)) {
+  for (const auto& line : comparison) {
     base::Value entry;
     entry.set("method", line.method);
     entry.set("shots", line.shots);
@@ -57,7 +55,16 @@ base::Value json_of(const project::RunOutcome& outcome) {
     entry.set("within_2_sigma", line.within_2_sigma);
     lines.push_back(std::move(entry));
   }
-  value.set("truth", std::move(lines));
+  return lines;
+}
+
+base::Value json_of(const project::RunOutcome& outcome) {
+  base::Value value;
+  value.set("report", outcome.report.string());
+  value.set("shots", outcome.records.size());
+  value.set("findings", findings_value(outcome.findings));
+  value.set("truth", comparison_value(audit::compare_with_truth(outcome.records)));
+  value.set("fusion_truth", comparison_value(outcome.fusion_truth));
   return value;
 }
 
@@ -86,6 +93,10 @@ int print_run(const project::RunOutcome& outcome, bool json) {
   if (!comparison.empty()) {
     std::printf("\n");
     print_table(audit::comparison_table(comparison));
+  }
+  if (!outcome.fusion_truth.empty()) {
+    std::printf("\nFused heights, all sources and each switched off\n");
+    print_table(audit::comparison_table(outcome.fusion_truth));
   }
   const int code = print_findings(outcome.findings);
   std::printf("\nreport: %s\n", outcome.report.c_str());

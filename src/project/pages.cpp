@@ -6,17 +6,12 @@
 #include "furrow/base/text.h"
 #include "furrow/base/version.h"
 #include "furrow/figures/pictures.h"
-#include "furrow/geom/angles.h"
+#include "project/height_sections.h"
 
 namespace furrow::project {
 namespace {
 
 using base::format_fixed;
-
-std::string with_sigma(double value, double sigma, int decimals) {
-  return format_fixed(value, decimals) +
-         (std::isfinite(sigma) ? " \u00b1 " + format_fixed(sigma, decimals) : "");
-}
 
 std::string size_text(const Camera& camera) {
   return std::to_string(camera.width) + "x" + std::to_string(camera.height);
@@ -78,6 +73,7 @@ report::PageTable shot_table(const std::vector<audit::ShotRecord>& records) {
                          "above canopy, refined / m",
                          "above canopy, shot alone / m",
                          "above ground, refined / m",
+                         "above canopy, fused / m",
                          "cross-track / m",
                          "heading error / deg",
                          "rows",
@@ -88,39 +84,10 @@ report::PageTable shot_table(const std::vector<audit::ShotRecord>& records) {
          estimate(r.pitch_deg, 2), number(r.above_canopy_thesis_m.value, 2),
          estimate(r.above_canopy_spacing_m, 2), estimate(r.above_canopy_refined_m, 2),
          estimate(r.above_canopy_shot_m, 2), estimate(r.above_ground_refined_m, 2),
-         estimate(r.cross_track_m, 2), estimate(r.heading_error_deg, 2), std::to_string(r.rows_used),
-         r.status == "ok" ? "ok" : r.status + ": " + r.reason});
+         estimate(r.above_canopy_fused_m, 2), estimate(r.cross_track_m, 2), estimate(r.heading_error_deg, 2),
+         std::to_string(r.rows_used), r.status == "ok" ? "ok" : r.status + ": " + r.reason});
   }
   return table;
-}
-
-/// What the flight as a whole told of the quantities its shots share.
-report::Section flight_section(const Result<altitude::RefinedFlight>& flight) {
-  report::Section section;
-  section.title = "The flight as a whole";
-  if (!flight.ok()) {
-    section.paragraphs = {"Not refined as a whole: " + flight.error().message()};
-    return section;
-  }
-  section.paragraphs = {
-      "All shots were refined at once; gimbal bias and the farm's numbers are common to them. A sigma ratio "
-      "near 1 says that the "
-      "pictures tell nothing about a quantity beyond what was known before; a correlation near 1 or -1 says "
-      "that only the "
-      "two together are told.",
-      flight->termination + " after " + std::to_string(flight->iterations) + " iterations."};
-  report::PageTable table;
-  table.caption = "Shared quantities (angles in degrees, lengths in metres)";
-  table.cells.columns = {"quantity", "before", "after", "sigma ratio", "most correlated with", "correlation"};
-  for (const altitude::SharedQuantity& q : flight->shared) {
-    const double unit = q.name.ends_with("_bias") || q.name == "terrain_slope" ? geom::rad_to_deg(1.0) : 1.0;
-    table.cells.rows.push_back({q.name, with_sigma(unit * q.prior.value, unit * q.prior.sigma, 3),
-                                with_sigma(unit * q.posterior.value, unit * q.posterior.sigma, 3),
-                                format_fixed(q.sigma_ratio, 2), q.most_correlated,
-                                format_fixed(q.correlation, 2)});
-  }
-  section.tables = {std::move(table)};
-  return section;
 }
 
 std::vector<std::string> run_summary(const RunContent& content,
@@ -162,6 +129,11 @@ std::vector<std::string> run_summary(const RunContent& content,
 }
 
 }  // namespace
+
+std::string with_sigma(double value, double sigma, int decimals) {
+  return format_fixed(value, decimals) +
+         (std::isfinite(sigma) ? " \u00b1 " + format_fixed(sigma, decimals) : "");
+}
 
 Result<std::vector<figures::Figure>> calibration_figures(const calib::Calibration& calibration) {
   std::vector<figures::Figure> made;
@@ -234,7 +206,11 @@ report::Page run_page(RunContent content) {
   heights.tables.push_back(shot_table(content.records));
   page.sections.push_back(std::move(heights));
 
+  page.sections.push_back(legs_section(content.records, content.project.field.row_height_m.value,
+                                       std::move(content.leg_figures)));
   page.sections.push_back(flight_section(content.flight));
+  page.sections.push_back(budget_section(content.budgets, std::move(content.budget_figures)));
+  page.sections.push_back(fusion_section(content.records, content.fusion, std::move(content.fusion_figures)));
 
   report::Section rows;
   rows.title = "Rows";

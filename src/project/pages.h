@@ -3,11 +3,16 @@
 #include <vector>
 
 #include "furrow/altitude/flight.h"
+#include "furrow/audit/budget.h"
+#include "furrow/audit/fusion.h"
 #include "furrow/calib/calibrate.h"
 #include "furrow/project/jobs.h"
 #include "furrow/report/page.h"
 
 namespace furrow::project {
+
+/// "1.30 \u00b1 0.04"; a sigma that is not known is left out.
+std::string with_sigma(double value, double sigma, int decimals);
 
 /// Figures of a calibration: error bars per view and board poses.
 Result<std::vector<figures::Figure>> calibration_figures(const calib::Calibration& calibration);
@@ -27,11 +32,12 @@ struct RunContent {
   const std::vector<audit::Finding>& findings;
   const Camera& camera;
   const Result<altitude::RefinedFlight>& flight;
+  const std::vector<audit::ShotBudget>& budgets;
+  const Result<audit::FlightFusion>& fusion;
   std::vector<std::string> camera_words;     ///< what was calibrated at which size, how it was carried
   std::vector<std::string> log_words;        ///< which log, how the shots were found in it, warnings
   std::vector<report::Section> calibration;  ///< none or one
-  std::vector<figures::Figure> flight_figures;
-  std::vector<figures::Figure> overlays;
+  std::vector<figures::Figure> flight_figures, leg_figures, budget_figures, fusion_figures, overlays;
 };
 report::Page run_page(RunContent content);
 

@@ -13,6 +13,8 @@
 #include "furrow/figures/comparison.h"
 #include "furrow/figures/figures.h"
 #include "furrow/figures/pictures.h"
+#include "furrow/figures/sources.h"
+#include "furrow/figures/stacked.h"
 #include "furrow/image/image.h"
 #include "furrow/project/jobs.h"
 #include "furrow/report/page.h"
@@ -166,16 +168,22 @@ Status keep(std::vector<figures::Figure>& made, Result<figures::Figure> figure) 
   return Done{};
 }
 
-Result<std::vector<figures::Figure>> flight_figures(const std::vector<audit::ShotRecord>& records,
-                                                    double row_height_m) {
-  std::vector<figures::Figure> made;
-  FURROW_TRY(made.emplace_back(), figures::heights_over_shots(records, row_height_m));
-  FURROW_TRY(made.emplace_back(), figures::pitch_over_shots(records));
-  FURROW_TRY(made.emplace_back(), figures::cross_track_over_shots(records));
-  FURROW_DO(keep(made, figures::heights_by_leg(records, row_height_m)));
-  FURROW_DO(keep(made, figures::agreement(figures::heights_against_log(records))));
-  FURROW_DO(keep(made, figures::error_histogram(figures::heights_against_truth(records))));
-  return made;
+/// The figures of the page's sections on heights.
+Status draw_heights(RunContent& content) {
+  const auto& records = content.records;
+  const double row_height_m = content.project.field.row_height_m.value;
+  auto& flight = content.flight_figures;
+  FURROW_TRY(flight.emplace_back(), figures::heights_over_shots(records, row_height_m));
+  FURROW_TRY(flight.emplace_back(), figures::pitch_over_shots(records));
+  FURROW_TRY(flight.emplace_back(), figures::cross_track_over_shots(records));
+  FURROW_DO(keep(flight, figures::agreement(figures::heights_against_log(records))));
+  FURROW_DO(keep(flight, figures::error_histogram(figures::heights_against_truth(records))));
+  FURROW_DO(keep(content.leg_figures, figures::heights_by_leg(records, row_height_m)));
+  FURROW_DO(keep(content.leg_figures, figures::log_heights_over_shots(records, false)));
+  FURROW_DO(keep(content.leg_figures, figures::log_heights_over_shots(records, true)));
+  FURROW_DO(keep(content.budget_figures, figures::budget_over_shots(content.budgets)));
+  if (!content.fusion.ok()) return Done{};
+  return keep(content.fusion_figures, figures::fusion_over_shots(records, *content.fusion));
 }
 
 std::vector<std::string> camera_words(const RunCamera& camera, const std::vector<ShotResult>& results) {
@@ -286,9 +294,41 @@ audit::Finding assess_focal(const RunTables& tables) {
   return audit::assess_focal(camera.fx, camera.width, stated_mm);
 }
 
+/// Of the height that shots.csv calls refined.
+std::vector<audit::ShotBudget> budgets_of(const RunTables& tables) {
+  std::vector<audit::ShotBudget> budgets;
+  for (std::size_t i = 0; i < tables.results.size(); ++i) {
+    const ShotResult& alone = tables.results[i];
+    const bool carried = tables.flight.ok() && tables.flight->shots[i].usable;
+    const audit::ShotRecord& record = alone.record;
+    if (carried) {
+      const altitude::RefinedShot& shot = tables.flight->shots[i];
+      budgets.push_back({record.shot_id, shot.height_above_canopy_m, shot.height_budget});
+    } else {
+      budgets.push_back({record.shot_id, record.above_canopy_shot_m, alone.budget});
+    }
+  }
+  return budgets;
+}
+
+void add_fused(std::vector<audit::ShotRecord>& records, const Result<audit::FlightFusion>& fusion) {
+  if (!fusion.ok()) return;
+  for (std::size_t i = 0; i < fusion->shots.size(); ++i) {
+    audit::ShotRecord& record = records[fusion->shots[i]];
+    record.above_canopy_fused_m = fusion->fused.heights[i].above_canopy_m;
+    record.above_ground_fused_m = fusion->fused.heights[i].above_ground_m;
+  }
+}
+
 Status write_tables(const fs::path& out, const RunTables& tables,
-                    const std::vector<audit::ShotRecord>& records) {
+                    const std::vector<audit::ShotRecord>& records,
+                    const std::vector<audit::ShotBudget>& budgets) {
   FURROW_DO(base::write_file(out / "shots.csv", base::to_csv(audit::shots_table(records))));
+  FURROW_DO(base::write_file(out / "budget.csv", base::to_csv(audit::budget_table(budgets))));
+  if (tables.fusion.ok()) {
+    FURROW_DO(
+        base::write_file(out / "fusion.csv", base::to_csv(audit::fusion_table(records, *tables.fusion))));
+  }
   std::vector<RowsOfImage> rows;
   for (const ShotResult& result : tables.results)
     rows.push_back({result.record.image, result.lines, result.elapsed_ms});
@@ -323,25 +363,33 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
     outcome.warnings.push_back("Each shot was refined alone, the flight not as a whole: " +
                                tables.flight.error().message());
   }
-  const double row_height_m = project.field.row_height_m.value;
-  outcome.findings = audit::assess_shots(outcome.records, row_height_m);
+  add_fused(outcome.records, tables.fusion);
+  outcome.findings = audit::assess_shots(outcome.records, project.field.row_height_m.value);
   outcome.findings.push_back(assess_focal(tables));
   if (true_heights) FURROW_DO(audit::join_truth(outcome.records, *true_heights));
-  FURROW_DO(write_tables(out, tables, outcome.records));
+  if (tables.fusion.ok()) outcome.fusion_truth = audit::compare_fusion(outcome.records, *tables.fusion);
+  const std::vector<audit::ShotBudget> budgets = budgets_of(tables);
+  FURROW_DO(write_tables(out, tables, outcome.records, budgets));
 
   base::report(job.progress, "drawing", 0, 1);
-  std::vector<std::string> files = {"shots.csv", "report.html"};
+  std::vector<std::string> files = {"shots.csv", "budget.csv", "report.html"};
+  if (tables.fusion.ok()) files.push_back("fusion.csv");
   RunContent content{project,
                      outcome.records,
                      outcome.findings,
                      tables.camera.camera,
                      tables.flight,
+                     budgets,
+                     tables.fusion,
                      camera_words(tables.camera, tables.results),
                      log_words(project, tables.track, tables.located, tables.shots),
                      {},
                      {},
+                     {},
+                     {},
+                     {},
                      {}};
-  FURROW_TRY(content.flight_figures, flight_figures(outcome.records, row_height_m));
+  FURROW_DO(draw_heights(content));
   FURROW_TRY(content.overlays, overlays(tables.shots, tables.results, tables.flight));
   if (tables.camera.calibration) {
     const calib::Calibration& calibration = tables.camera.calibration->calibration;
@@ -356,7 +404,8 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
       add_files_of(figure, files);
     }
   }
-  for (const auto* made : {&content.flight_figures, &content.overlays}) {
+  for (const auto* made : {&content.flight_figures, &content.leg_figures, &content.budget_figures,
+                           &content.fusion_figures, &content.overlays}) {
     for (const auto& figure : *made) {
       FURROW_DO(figures::write_figure(out / "figures", figure));
       add_files_of(figure, files);

@@ -6,6 +6,7 @@
 
 #include "furrow/audit/finding.h"
 #include "furrow/audit/shot_record.h"
+#include "furrow/audit/truth.h"
 #include "furrow/base/progress.h"
 #include "furrow/base/value.h"
 #include "furrow/calib/calibrate.h"
@@ -61,13 +62,16 @@ Result<std::vector<RowsOfImage>> rows_job(const std::vector<std::filesystem::pat
 struct RunOutcome {
   std::vector<audit::ShotRecord> records;
   std::vector<audit::Finding> findings;
+  /// Fused heights against the truth of a simulated flight, with all sources and with each one off.
+  std::vector<audit::TruthComparison> fusion_truth;
   std::filesystem::path report;
   std::vector<std::string> warnings;  ///< what a person should know beside the findings, one sentence each
 };
 
-/// A project -> shots.csv, rows.json, report.html, figures/, manifest.json (and calibration/ when it
-/// calibrates) in `out`. A shot that fails has a status in shots.csv and the flight goes on. `truth` is a
-/// simulated flight's truth.csv: it is read when all estimates are made and only compared with them.
+/// A project -> shots.csv, budget.csv, fusion.csv (where there is something to fuse), rows.json, report.html,
+/// figures/, manifest.json (and calibration/ when it calibrates) in `out`. A shot that fails has a status in
+/// shots.csv and the flight goes on. `truth` is a simulated flight's truth.csv: it is read when all estimates
+/// are made and only compared with them.
 Result<RunOutcome> run_job(const Project& project, const std::filesystem::path& out,
                            const JobOptions& job = {},
                            const std::optional<std::filesystem::path>& truth = {});
