@@ -95,11 +95,10 @@ std::vector<HeightLeg> height_legs(const std::vector<ShotRecord>& records, doubl
 base::CsvTable leg_table(const std::vector<ShotRecord>& records, double row_height_m) {
   base::CsvTable table;
   table.source = "legs.csv";
-  table.columns = {"leg", "method", "shots", "mean height above ground m", "mean error against log m",
-                   "sd m"};
+  table.columns = {"leg", "method", "shots", "mean m", "log error m", "log sd m"};
   bool with_truth = false;
   for (const ShotRecord& record : records) with_truth |= std::isfinite(record.truth_above_canopy_m);
-  if (with_truth) table.columns.insert(table.columns.end(), {"mean error against truth m", "its sd m"});
+  if (with_truth) table.columns.insert(table.columns.end(), {"truth error m", "truth sd m"});
   if (!std::isfinite(row_height_m)) return table;
   auto legs = height_legs(records);
   const bool several = legs.size() > 1;

@@ -109,8 +109,9 @@ report::Section legs_section(const std::vector<audit::ShotRecord>& records, doub
       "Stretches at one height of the log, counted as the thesis did: mean height above ground, and mean and "
       "standard deviation of estimate minus log. The log's zero is the take-off point and its barometer "
       "drifts, so this error is of both; where the truth is known, the errors against it stand beside."};
-  report::PageTable table{"Mean height, mean error and standard deviation",
-                          audit::leg_table(records, row_height_m)};
+  report::PageTable table{
+      "Mean height above ground; mean error and standard deviation against the log and the truth",
+      audit::leg_table(records, row_height_m)};
   if (table.cells.rows.empty()) {
     section.paragraphs = {
         "No table: it needs a log with heights and the height of the rows (rows.height_m)."};
