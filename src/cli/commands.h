@@ -26,6 +26,7 @@ void add_follow(CLI::App& app, Action& action);
 void add_rows(CLI::App& app, Action& action);
 void add_run(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);
+void add_target(CLI::App& app, Action& action);
 void add_version(CLI::App& app, Action& action);
 
 }  // namespace furrow::cli

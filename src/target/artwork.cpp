@@ -21,17 +21,17 @@ void add_squares(const BoardSpec& board, std::vector<Rectangle>& out) {
 
 /// The black modules of a marker, those beside each other as one.
 void add_marker(const BoardSpec& board, int id, std::vector<Rectangle>& out) {
-  const std::vector<bool> white = marker_modules(board.dictionary, id);
-  const int side = find_dictionary(board.dictionary)->bits + 2;
+  const MarkerPrint print = print_marker(board, id);
   const auto corner = marker_in_board(board, id);
-  const Eigen::Vector2d module = (corner[2] - corner[0]) / side;
-  for (int v = 0; v < side; ++v) {
-    for (int u = 0; u < side; ++u) {
+  const Eigen::Vector2d low = corner[0].cwiseMin(corner[2]), high = corner[0].cwiseMax(corner[2]);
+  const Eigen::Vector2d module = (high - low) / print.side;
+  for (int v = 0; v < print.side; ++v) {
+    for (int u = 0; u < print.side; ++u) {
       const int first = u;
-      while (u < side && !white[static_cast<std::size_t>(v * side + u)]) ++u;
+      while (u < print.side && !print.white[static_cast<std::size_t>(v * print.side + u)]) ++u;
       if (u > first) {
-        out.push_back({corner[0] + module.cwiseProduct(Eigen::Vector2d(first, v)),
-                       corner[0] + module.cwiseProduct(Eigen::Vector2d(u, v + 1))});
+        out.push_back({low + module.cwiseProduct(Eigen::Vector2d(first, v)),
+                       low + module.cwiseProduct(Eigen::Vector2d(u, v + 1))});
       }
     }
   }

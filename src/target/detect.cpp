@@ -6,8 +6,10 @@
 
 #include "furrow/base/file.h"
 #include "furrow/base/parallel.h"
+#include "target/coarse.h"
 #include "target/find.h"
 #include "target/grid.h"
+#include "target/marker_board.h"
 #include "target/refine.h"
 
 namespace furrow::target {
@@ -28,10 +30,9 @@ std::string size_name(int columns, int rows) {
   return std::to_string(columns) + "x" + std::to_string(rows);
 }
 
-/// Corners of `grid` (in a smaller copy) in the pixels of the whole picture; pixel centres are whole numbers
-/// in both.
-Grid scaled(Grid grid, double su, double sv) {
-  for (Eigen::Vector2d& p : grid.px) p = {(p.x() + 0.5) * su - 0.5, (p.y() + 0.5) * sv - 0.5};
+/// Corners of a grid in a smaller copy, in the pixels of the whole picture.
+Grid in_whole(Grid grid, const Coarse& coarse) {
+  for (Eigen::Vector2d& p : grid.px) p = coarse.in_whole(p);
   return grid;
 }
 
@@ -61,22 +62,6 @@ Refined refine(const Grid& start, const Image& grey, double noise) {
     }
   }
   return out;
-}
-
-/// A smaller copy for the search, with what a pixel of it spans in the whole picture.
-struct Coarse {
-  Image grey;
-  double su = 1.0, sv = 1.0;
-};
-
-Coarse coarse_copy(const Image& grey, int longest_px) {
-  const int longest = std::max(grey.width, grey.height);
-  if (longest <= longest_px) return {grey, 1.0, 1.0};
-  const double scale = static_cast<double>(longest_px) / longest;
-  const int width = std::max(1, static_cast<int>(std::lround(grey.width * scale)));
-  const int height = std::max(1, static_cast<int>(std::lround(grey.height * scale)));
-  return {image::resize(grey, width, height), static_cast<double>(grey.width) / width,
-          static_cast<double>(grey.height) / height};
 }
 
 /// A hint from a lattice of another size: squares counted as corners, or a board partly out of the picture.
@@ -154,9 +139,9 @@ BoardDetection detect_board(const Image& picture, const BoardSpec& board, const 
   out.height = picture.height;
   const std::string wanted = size_name(board.corners_x, board.corners_y);
   out.reason = "no board of " + wanted + " inner corners found";
-  if (board.kind != BoardKind::checkerboard) return out;
   if (picture.empty() || std::min(picture.width, picture.height) < 2 * kSmallestSquarePx) return out;
   const Image grey = image::to_grey(picture);
+  if (board.kind != BoardKind::checkerboard) return detect_marker_board(grey, board, options);
   const Coarse coarse = coarse_copy(grey, std::max(64, options.coarse_side_px));
   const Found seen = find_grid(coarse.grey, board.corners_x, board.corners_y);
   if (seen.grid.px.empty()) {
@@ -170,8 +155,7 @@ BoardDetection detect_board(const Image& picture, const BoardSpec& board, const 
   // First where it was found, then in the whole picture: a window of the right size must start within its
   // reach.
   Refined refined = refine(seen.grid, coarse.grey, 1.0);
-  if (refined.fault.empty())
-    refined = refine(scaled(refined.grid, coarse.su, coarse.sv), grey, noise_grey(grey));
+  if (refined.fault.empty()) refined = refine(in_whole(refined.grid, coarse), grey, noise_grey(grey));
   const Grid grid = oriented(refined.grid, board.corners_x, board.corners_y, grey);
   if (refined.fault.empty() && grid.px.empty()) refined.fault = "its squares overlap";
   if (refined.fault.empty()) refined.fault = grid_fault(grid, grey, kLargestMisfit);

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <Eigen/Dense>
+#include <limits>
 
 #include "furrow/base/text.h"
-#include "furrow/target/homography.h"
+#include "target/misfit.h"
 
 namespace furrow::target {
 namespace {
@@ -101,77 +101,18 @@ double alternating_share(const Grid& grid, const Image& grey) {
   return count > 0 ? static_cast<double>(right) / count : 0.0;
 }
 
-/// Misfit of corners that no plane can show, squares.
-constexpr double kNoFit = 1e9;
+constexpr double kNoFit = std::numeric_limits<double>::infinity();
 
-/// Pixels after a division model about the picture's middle (Fitzgibbon 2001): straight lines become straight
-/// whatever the lens.
-std::vector<Eigen::Vector2d> straightened(const Grid& grid, const Eigen::Vector2d& middle,
-                                          double bend_per_px2) {
-  std::vector<Eigen::Vector2d> out;
-  for (const Eigen::Vector2d& p : grid.px) {
-    const Eigen::Vector2d d = p - middle;
-    out.push_back(middle + d / (1.0 + bend_per_px2 * d.squaredNorm()));
-  }
-  return out;
-}
-
-/// Distance of each corner from the homography of its straightened grid, as a share of the local square in
-/// the straightened plane.
-struct Misfit {
-  double rms = kNoFit;
-  Eigen::MatrixXd by_corner;  ///< n x 2, in squares
-};
-
-Misfit plane_misfit(const Grid& grid, const Eigen::Vector2d& middle, double bend_per_px2) {
-  Grid straight{grid.columns, grid.rows, straightened(grid, middle, bend_per_px2)};
+/// Largest misfit of a corner, squares; kNoFit where no plane fits.
+double worst_misfit(const Grid& grid, int width, int height) {
   std::vector<Eigen::Vector2d> board;
   for (int j = 0; j < grid.rows; ++j) {
     for (int i = 0; i < grid.columns; ++i) board.emplace_back(i, j);
   }
-  const auto h = fit_homography(board, straight.px);
-  if (!h) return {};
-  Misfit out;
-  out.by_corner.resize(static_cast<Eigen::Index>(grid.px.size()), 2);
-  for (int j = 0; j < grid.rows; ++j) {
-    for (int i = 0; i < grid.columns; ++i) {
-      const Eigen::Vector2d miss = straight.at(i, j) - (*h * Eigen::Vector3d(i, j, 1.0)).hnormalized();
-      out.by_corner.row(static_cast<Eigen::Index>(grid.index(i, j))) =
-          miss.transpose() / nearest_neighbour_px(straight, i, j);
-    }
-  }
-  const double rms = std::sqrt(out.by_corner.rowwise().squaredNorm().mean());
-  out.rms = std::isfinite(rms) ? rms : kNoFit;
-  return out;
-}
-
-/// Largest distance of a corner from the board's homography and one coefficient of distortion plus a smooth
-/// rest, in squares. The rest is a cubic in the board's own coordinates: it takes up what other lenses and a
-/// bent board do; a corner that belongs elsewhere stays out.
-double worst_misfit(const Grid& grid, int width, int height) {
-  const Eigen::Vector2d middle(0.5 * (width - 1), 0.5 * (height - 1));
-  const double half_diagonal_px = middle.norm();
-  Misfit best;
-  // From a pincushion to a fisheye, in steps whose rest the cubic takes up.
-  constexpr double kFrom = -0.9, kTo = 0.5, kStep = 0.1;
-  for (double bend = kFrom; bend <= kTo; bend += kStep) {
-    const Misfit misfit = plane_misfit(grid, middle, bend / (half_diagonal_px * half_diagonal_px));
-    if (misfit.rms < best.rms) best = misfit;
-  }
-  if (best.rms >= kNoFit) return kNoFit;
-  const bool room_for_cubic = grid.columns > 3 && grid.rows > 3;
-  Eigen::MatrixXd basis(best.by_corner.rows(), room_for_cubic ? 10 : 6);
-  for (int j = 0; j < grid.rows; ++j) {
-    for (int i = 0; i < grid.columns; ++i) {
-      const double x = 2.0 * i / (grid.columns - 1) - 1.0, y = 2.0 * j / (grid.rows - 1) - 1.0;
-      Eigen::Matrix<double, 10, 1> terms;
-      terms << 1, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y;
-      basis.row(static_cast<Eigen::Index>(grid.index(i, j))) = terms.head(basis.cols()).transpose();
-    }
-  }
-  const Eigen::MatrixXd rest = best.by_corner - basis * basis.colPivHouseholderQr().solve(best.by_corner);
-  const double worst = rest.rowwise().norm().maxCoeff();
-  return std::isfinite(worst) ? worst : kNoFit;
+  double worst = 0.0;
+  const std::vector<double> misfit = plane_misfit(board, grid.px, width, height);
+  for (const double one : misfit) worst = std::isfinite(one) ? std::max(worst, one) : kNoFit;
+  return misfit.empty() ? kNoFit : worst;
 }
 
 }  // namespace

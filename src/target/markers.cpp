@@ -33,6 +33,9 @@ constexpr std::pair<const char*, int> kDictionaries[] = {
     {"apriltag_36h11", cv::aruco::DICT_APRILTAG_36h11},
 };
 
+/// Black modules about a marker's bits. Kalibr prints its tags with two.
+constexpr int kMarkerBorder = 1, kTagBorder = 2;
+
 /// Null for an unknown name.
 cv::Ptr<cv::aruco::Dictionary> opencv_dictionary(const std::string& key) {
   for (const auto& [name, number] : kDictionaries) {
@@ -57,6 +60,30 @@ std::array<Eigen::Vector2d, 4> around(const Eigen::Vector2d& low, const Eigen::V
   return {low, Eigen::Vector2d(high.x(), low.y()), high, Eigen::Vector2d(low.x(), high.y())};
 }
 
+std::vector<SeenMarker> find_with_border(const Image& grey, const BoardSpec& board, int border) {
+  const auto dictionary = opencv_dictionary(board.dictionary);
+  check(dictionary && grey.channels == 1, "find_markers: a grey picture and a known dictionary");
+  auto parameters = cv::aruco::DetectorParameters::create();
+  parameters->markerBorderBits = border;
+  // Markers of 0.25 % of the picture's longer side are read; OpenCV's own limit is for one marker before the
+  // camera.
+  parameters->minMarkerPerimeterRate = 0.01;
+  std::vector<std::vector<cv::Point2f>> corners;
+  std::vector<int> ids;
+  const cv::Mat picture(grey.height, grey.width, CV_8U, const_cast<std::uint8_t*>(grey.data.data()));
+  cv::aruco::detectMarkers(picture, dictionary, corners, ids, parameters);
+  std::vector<SeenMarker> out;
+  for (std::size_t m = 0; m < ids.size(); ++m) {
+    SeenMarker marker{ids[m], {}};
+    for (std::size_t c = 0; c < 4; ++c)
+      marker.corner_px[c] = {static_cast<double>(corners[m][c].x), static_cast<double>(corners[m][c].y)};
+    out.push_back(marker);
+  }
+  std::stable_sort(out.begin(), out.end(),
+                   [](const SeenMarker& a, const SeenMarker& b) { return a.id < b.id; });
+  return out;
+}
+
 }  // namespace
 
 std::string dictionary_key(const std::string& name) {
@@ -76,17 +103,21 @@ std::string dictionary_names() {
   return out;
 }
 
-std::vector<bool> marker_modules(const std::string& dictionary, int id) {
-  const auto found = opencv_dictionary(dictionary);
-  check(found && id >= 0 && id < found->bytesList.rows, "marker_modules: no such marker");
+MarkerPrint print_marker(const BoardSpec& board, int id) {
+  const auto found = opencv_dictionary(board.dictionary);
+  check(found && id >= 0 && id < found->bytesList.rows, "print_marker: no such marker");
   const cv::Mat bits =
       cv::aruco::Dictionary::getBitsFromByteList(found->bytesList.rowRange(id, id + 1), found->markerSize);
-  const int side = found->markerSize + 2;
-  std::vector<bool> out(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), false);
+  const bool tag = board.kind == BoardKind::aprilgrid;
+  const int border = tag ? kTagBorder : kMarkerBorder;
+  MarkerPrint out{found->markerSize + 2 * border, {}};
+  out.white.assign(static_cast<std::size_t>(out.side) * static_cast<std::size_t>(out.side), false);
   for (int v = 0; v < bits.rows; ++v) {
     for (int u = 0; u < bits.cols; ++u)
-      out[static_cast<std::size_t>((v + 1) * side + u + 1)] = bits.at<std::uint8_t>(v, u) != 0;
+      out.white[static_cast<std::size_t>((v + border) * out.side + u + border)] =
+          bits.at<std::uint8_t>(v, u) != 0;
   }
+  if (tag) std::reverse(out.white.begin(), out.white.end());
   return out;
 }
 
@@ -106,7 +137,10 @@ std::array<Eigen::Vector2d, 4> marker_in_board(const BoardSpec& board, int id) {
   if (board.kind == BoardKind::aprilgrid) {
     const int columns = board.corners_x / 2, i = 2 * (id % columns),
               j = board.corners_y - 2 - 2 * (id / columns);
-    return around(corner_in_board(board, i, j).head<2>(), corner_in_board(board, i + 1, j + 1).head<2>());
+    auto corners =
+        around(corner_in_board(board, i, j).head<2>(), corner_in_board(board, i + 1, j + 1).head<2>());
+    std::rotate(corners.begin(), corners.begin() + 2, corners.end());
+    return corners;
   }
   const auto [i, j] = square_of_marker(board, id);
   const Eigen::Vector2d side(board.square_m, board.square_m * board.aspect);
@@ -115,28 +149,10 @@ std::array<Eigen::Vector2d, 4> marker_in_board(const BoardSpec& board, int id) {
   return around(middle - half, middle + half);
 }
 
-std::vector<SeenMarker> find_markers(const Image& grey, const std::string& dictionary, bool tags_touch) {
-  const auto known = opencv_dictionary(dictionary);
-  check(known && grey.channels == 1, "find_markers: a grey picture and a known dictionary");
-  auto parameters = cv::aruco::DetectorParameters::create();
-  if (tags_touch) parameters->cornerRefinementMethod = cv::aruco::CORNER_REFINE_APRILTAG;
-  // Tags smaller than this share of the picture are still read; OpenCV's 3 % is for one tag before the
-  // camera.
-  parameters->minMarkerPerimeterRate = 0.01;
-  std::vector<std::vector<cv::Point2f>> corners;
-  std::vector<int> ids;
-  const cv::Mat picture(grey.height, grey.width, CV_8U, const_cast<std::uint8_t*>(grey.data.data()));
-  cv::aruco::detectMarkers(picture, known, corners, ids, parameters);
-  std::vector<SeenMarker> out;
-  for (std::size_t m = 0; m < ids.size(); ++m) {
-    SeenMarker marker{ids[m], {}};
-    for (std::size_t c = 0; c < 4; ++c)
-      marker.corner_px[c] = {static_cast<double>(corners[m][c].x), static_cast<double>(corners[m][c].y)};
-    out.push_back(marker);
-  }
-  std::stable_sort(out.begin(), out.end(),
-                   [](const SeenMarker& a, const SeenMarker& b) { return a.id < b.id; });
-  return out;
+std::vector<SeenMarker> find_markers(const Image& grey, const BoardSpec& board) {
+  if (board.kind != BoardKind::aprilgrid) return find_with_border(grey, board, kMarkerBorder);
+  auto tags = find_with_border(grey, board, kTagBorder);
+  return tags.empty() ? find_with_border(grey, board, kMarkerBorder) : tags;
 }
 
 }  // namespace furrow::target

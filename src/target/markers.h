@@ -23,9 +23,14 @@ std::optional<Dictionary> find_dictionary(const std::string& key);
 /// All names, for messages.
 std::string dictionary_names();
 
-/// Whether each module of a marker is white, row by row from its top-left, the border of one black module
-/// included: bits + 2 a side.
-std::vector<bool> marker_modules(const std::string& dictionary, int id);
+/// A marker as printed.
+struct MarkerPrint {
+  int side = 0;             ///< modules, the black border included
+  std::vector<bool> white;  ///< of each module, row by row from the top-left
+};
+/// OpenCV's markers have a border of one module. Kalibr's tags have two, and stand on their heads against
+/// OpenCV's (the code's highest bit is at the top-left).
+MarkerPrint print_marker(const BoardSpec& board, int id);
 
 /// Whether the square in that column and row of a checkerboard or a ChArUco board, the first being 0, is
 /// black.
@@ -34,9 +39,10 @@ bool is_black_square(const BoardSpec& board, int column, int row);
 /// Markers on a ChArUco board or tags on an AprilGrid; 0 for a checkerboard.
 int marker_count(const BoardSpec& board);
 
-/// The corners of a marker in the board, x and y in metres: top-left, top-right, bottom-right, bottom-left as
-/// printed. Ids count as OpenCV (ChArUco: row by row from the top-left) and Kalibr (AprilGrid: row by row
-/// from the bottom-left) have it. `id` must be below marker_count().
+/// The corners of a marker in the board, x and y in metres, clockwise from the one that OpenCV calls the
+/// first: the top-left, for a tag the bottom-right. Ids count as OpenCV (ChArUco: row by row from the
+/// top-left) and Kalibr (AprilGrid: row by row from the bottom-left) have it. `id` must be below
+/// marker_count().
 std::array<Eigen::Vector2d, 4> marker_in_board(const BoardSpec& board, int id);
 
 /// A marker seen in a picture.
@@ -45,8 +51,9 @@ struct SeenMarker {
   std::array<Eigen::Vector2d, 4> corner_px;  ///< in the order of marker_in_board(), good to a pixel or so
 };
 
-/// Markers of a dictionary in a grey picture, by id; two of the same id both stand. OpenCV's detector of
-/// candidates (AprilTag's own where the tags touch small squares) and decoder.
-std::vector<SeenMarker> find_markers(const Image& grey, const std::string& dictionary, bool tags_touch);
+/// Markers of a board's dictionary in a grey picture, by id, those that are not on the board included; two of
+/// the same id both stand. OpenCV's detector; of its own for AprilTags it finds fewer where tags touch small
+/// squares (measured: 1 of 24 against 24 of 24). Tags with a border of one module are read too.
+std::vector<SeenMarker> find_markers(const Image& grey, const BoardSpec& board);
 
 }  // namespace furrow::target

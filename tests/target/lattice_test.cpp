@@ -5,8 +5,11 @@
 namespace furrow::target {
 namespace {
 
-// A picture of leaves, without a board, whose lattice was trimmed away altogether: growing nothing went on for ever.
-TEST(Lattice, NothingGrowsToNothing) { EXPECT_TRUE(completed({}, {}, 9, 6).empty()); }
+// A picture of leaves, without a board, whose lattice was trimmed away altogether: growing nothing went on
+// for ever.
+TEST(Lattice, NothingGrowsToNothing) {
+  EXPECT_TRUE(completed({}, {}, 9, 6).empty());
+}
 
 // Two lone corners are trimmed to nothing inside.
 TEST(Lattice, ALatticeThatIsTrimmedAwayStaysEmpty) {

@@ -7,6 +7,7 @@
 #include "furrow/camera/camera.h"
 #include "furrow/geom/rigid3.h"
 #include "furrow/image/image.h"
+#include "furrow/target/artwork.h"
 #include "furrow/target/board.h"
 
 namespace furrow::target {
@@ -35,16 +36,18 @@ inline Image render_board(const Camera& camera, const BoardSpec& board, const Ri
   constexpr double kBlack = 30, kWhite = 220, kAround = 120;
   Image out = image::make_image(camera.width, camera.height, 1);
   const Rigid3 board_from_cam = geom::inverse(cam_from_board);
+  const Artwork artwork = make_artwork(board);
+  const PrintedExtent printed = printed_extent(board);
   const auto brightness = [&](const Eigen::Vector2d& xy) {
     const Eigen::Vector3d way = board_from_cam.rotation * Eigen::Vector3d(xy.x(), xy.y(), 1.0);
     const double t = -board_from_cam.translation.z() / way.z();
     if (!(t > 0.0)) return kAround;
     const Eigen::Vector3d x = board_from_cam.translation + t * way;
-    const double i = std::floor(x.x() / board.square_m) + 1,
-                 j = std::floor(x.y() / (board.square_m * board.aspect)) + 1;
-    if (i < -1 || j < -1 || i > board.corners_x + 1 || j > board.corners_y + 1) return kAround;
-    if (i < 0 || j < 0 || i > board.corners_x || j > board.corners_y) return kWhite;
-    return static_cast<int>(i + j) % 2 == 0 ? kBlack : kWhite;
+    const Eigen::Vector2d paper(board.square_m, board.square_m * board.aspect), at = x.head<2>();
+    if ((at.array() < (printed.low_m - paper).array()).any() ||
+        (at.array() > (printed.high_m + paper).array()).any())
+      return kAround;
+    return is_black(artwork, at) ? kBlack : kWhite;
   };
   for (int v = 0; v < out.height; ++v) {
     for (int u = 0; u < out.width; ++u) {
@@ -92,8 +95,7 @@ inline Rigid3 facing(const BoardSpec& board, double distance_m, const Eigen::Vec
                      const Eigen::Vector2d& shift_m = {0.0, 0.0}) {
   Rigid3 pose;
   pose.rotation = geom::rotation_from_vector(turn_rad);
-  const Eigen::Vector3d middle(0.5 * (board.corners_x - 1) * board.square_m,
-                               0.5 * (board.corners_y - 1) * board.square_m * board.aspect, 0.0);
+  const Eigen::Vector3d middle = 0.5 * corner_in_board(board, board.corners_x - 1, board.corners_y - 1);
   pose.translation = Eigen::Vector3d(shift_m.x(), shift_m.y(), distance_m) - pose.rotation * middle;
   return pose;
 }

@@ -1,0 +1,15 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "furrow/target/sheet.h"
+
+/// The jobs behind `furrow target`.
+namespace furrow::project {
+
+/// Board file -> a page to print in `out`, whose extension (.pdf, .svg, .png) chooses the format. Errors:
+/// those of read_board, find_paper, draw_sheet and file writing.
+Result<target::Sheet> sheet_job(const std::filesystem::path& board_file, const std::string& paper,
+                                const std::filesystem::path& out, double dpi);
+
+}  // namespace furrow::project
