@@ -11,6 +11,7 @@ namespace {
 
 struct Arguments {
   std::string target;
+  double square_mm = 0.0;
   std::string out;
   std::string model = "opencv5";
   std::vector<std::string> images;
@@ -58,7 +59,8 @@ int calibrate(const Arguments& arguments) {
   options.model = *model;
   project::JobOptions job{arguments.threads, progress_on_stderr()};
   const std::vector<std::filesystem::path> images(arguments.images.begin(), arguments.images.end());
-  const auto outcome = project::calibrate_job(images, arguments.target, options, arguments.out, job);
+  const auto outcome = project::calibrate_job(images, {arguments.target, 1e-3 * arguments.square_mm}, options,
+                                              arguments.out, job);
   if (!outcome.ok()) return fail(outcome.error());
   if (arguments.json) {
     print_json(json_of(*outcome, arguments.out));
@@ -74,7 +76,13 @@ void add_calibrate(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("calibrate", "Calibrate a camera from pictures of a checkerboard");
   auto arguments = std::make_shared<Arguments>();
   command->add_option("images", arguments->images, "pictures of the board")->required();
-  command->add_option("--target", arguments->target, "board.yaml: type, corners, square_m")->required();
+  command->add_option("--target", arguments->target,
+                      "board.yaml; without it the corners of a checkerboard are counted");
+  command
+      ->add_option("--square-mm", arguments->square_mm,
+                   "side of a square of a board without a file, millimetres")
+      ->check(CLI::Range(1.0, 999.0))
+      ->excludes("--target");
   command->add_option("--out", arguments->out, "folder for the results")->required();
   command->add_option("--model", arguments->model, "pinhole, opencv4, opencv5, opencv8 or opencv12")
       ->capture_default_str();

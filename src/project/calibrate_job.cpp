@@ -8,6 +8,35 @@
 
 namespace furrow::project {
 
+namespace {
+
+/// The board that a file describes, or the checkerboard that most of the pictures show.
+Result<target::BoardSpec> board_from(const BoardSource& source,
+                                     const std::vector<std::filesystem::path>& images,
+                                     const JobOptions& job) {
+  if (!source.file.empty()) return target::read_board(source.file);
+  const auto guesses = target::guess_boards(images, {}, job.threads, job.progress);
+  const std::string pictures = std::to_string(images.size()) + " pictures";
+  if (guesses.empty()) {
+    return Error{"board_unknown", "calibrate", "no whole checkerboard shows in the " + pictures,
+                 "pictures of a checkerboard, or --target BOARD.yaml",
+                 "ChArUco boards and AprilGrids need their file (calib_targets/ has some)"};
+  }
+  const target::BoardGuess& best = guesses.front();
+  const std::string counts = std::to_string(best.corners_x) + "x" + std::to_string(best.corners_y);
+  if (!(source.square_m > 0.0)) {
+    return Error{"square_unknown", "calibrate",
+                 "a checkerboard of " + counts + " inner corners shows in " + std::to_string(best.pictures) +
+                     " of " + pictures + ", but not how large its squares are",
+                 "the side of a square, measured on the print", "say --square-mm 25, or --target BOARD.yaml"};
+  }
+  target::BoardSpec board{"counted-" + counts, best.corners_x, best.corners_y, source.square_m, 1.0};
+  FURROW_DO(target::validate(board));
+  return board;
+}
+
+}  // namespace
+
 Status write_calibration(const std::filesystem::path& out, const JudgedCalibration& judged) {
   FURROW_DO(
       base::write_file(out / "camera.cameramodel", camera::to_mrcal_cameramodel(judged.calibration.camera)));
@@ -17,10 +46,10 @@ Status write_calibration(const std::filesystem::path& out, const JudgedCalibrati
 }
 
 Result<JudgedCalibration> calibrate_from_pictures(const std::vector<std::filesystem::path>& images,
-                                                  const std::filesystem::path& board_file,
+                                                  const BoardSource& source,
                                                   const calib::CalibrateOptions& options,
                                                   const JobOptions& job) {
-  FURROW_TRY(const target::BoardSpec board, target::read_board(board_file));
+  FURROW_TRY(const target::BoardSpec board, board_from(source, images, job));
   const auto detections = target::detect_boards(images, board, {}, job.threads, job.progress);
   auto calibration = calib::calibrate(detections, board, options);
   if (!calibration.ok()) {
@@ -37,11 +66,10 @@ Result<JudgedCalibration> calibrate_from_pictures(const std::vector<std::filesys
 }
 
 Result<CalibrateOutcome> calibrate_job(const std::vector<std::filesystem::path>& images,
-                                       const std::filesystem::path& board_file,
-                                       const calib::CalibrateOptions& options,
+                                       const BoardSource& board, const calib::CalibrateOptions& options,
                                        const std::filesystem::path& out, const JobOptions& job) {
   CalibrateOutcome outcome;
-  FURROW_TRY(JudgedCalibration judged, calibrate_from_pictures(images, board_file, options, job));
+  FURROW_TRY(JudgedCalibration judged, calibrate_from_pictures(images, board, options, job));
   outcome.findings = audit::assess_calibration(judged.calibration, judged.verdict);
   FURROW_DO(write_calibration(out, judged));
   outcome.calibration = std::move(judged.calibration);

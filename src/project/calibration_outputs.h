@@ -14,10 +14,10 @@ struct JudgedCalibration {
   calib::Verdict verdict;
 };
 
-/// Board file and pictures -> camera. With too few boards found, the error says which board the pictures show
+/// Board and pictures -> camera. With too few boards found, the error says which board the pictures show
 /// instead.
 Result<JudgedCalibration> calibrate_from_pictures(const std::vector<std::filesystem::path>& images,
-                                                  const std::filesystem::path& board_file,
+                                                  const BoardSource& source,
                                                   const calib::CalibrateOptions& options,
                                                   const JobOptions& job);
 

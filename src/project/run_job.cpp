@@ -48,7 +48,7 @@ Result<RunCamera> prepare_camera(const Project& project, const JobOptions& job) 
   options.model = project.calibrate_model;
   options.solve_aspect = project.calibrate_aspect;
   FURROW_TRY(result.calibration,
-             calibrate_from_pictures(project.board_images, project.board_file, options, job));
+             calibrate_from_pictures(project.board_images, {project.board_file}, options, job));
   // What the halves of the views deny is not handed on as certain.
   result.camera = calib::widened_camera(result.calibration->calibration, result.calibration->verdict);
   return result;

@@ -14,4 +14,11 @@ Result<target::Sheet> sheet_job(const std::filesystem::path& board_file, const s
   return sheet;
 }
 
+Result<target::BoardCheck> check_board_job(const std::filesystem::path& board_file,
+                                           const std::vector<std::filesystem::path>& images,
+                                           const JobOptions& job) {
+  FURROW_TRY(const target::BoardSpec board, target::read_board(board_file));
+  return target::check_board(images, board, {}, job.threads, job.progress);
+}
+
 }  // namespace furrow::project

@@ -7,6 +7,7 @@
 #include "furrow/base/random.h"
 #include "furrow/geom/angles.h"
 #include "furrow/sim/world.h"
+#include "furrow/target/artwork.h"
 #include "sim/noise.h"
 
 namespace furrow::sim {
@@ -21,14 +22,27 @@ constexpr double kPaperMargin = 0.9;  // white paper beyond the outer squares, i
 constexpr int kFine = 8;              // samples along each side of a pixel that holds an edge
 constexpr double kPictureMargin_px = 6.0;
 
+/// What is printed and the paper around it.
+struct Sheet {
+  target::Artwork artwork;
+  target::PrintedExtent paper;
+};
+
+Sheet make_sheet(const Boards& boards) {
+  const target::BoardSpec board = printed_board(boards);
+  Sheet out{target::make_artwork(board), target::printed_extent(board)};
+  const Vector2d margin = Vector2d::Constant(kPaperMargin * boards.square_m);
+  out.paper.low_m -= margin;
+  out.paper.high_m += margin;
+  return out;
+}
+
 /// Light of the sheet's plane at a point of the board.
-double sheet(const Boards& b, const Vector2d& x_in_board) {
-  const double x = x_in_board.x() / b.square_m, y = x_in_board.y() / b.square_m;
-  const double paper = 1.0 + kPaperMargin;
-  if (x < -paper || y < -paper || x > b.corners_x - 1 + paper || y > b.corners_y - 1 + paper) return kWall;
-  if (x < -1.0 || y < -1.0 || x > b.corners_x || y > b.corners_y) return kWhite;
-  const auto parity = (static_cast<int>(std::floor(x)) + static_cast<int>(std::floor(y))) & 1;
-  return parity == 0 ? kBlack : kWhite;
+double light_of(const Sheet& sheet, const Vector2d& x_in_board) {
+  const bool off = (x_in_board.array() < sheet.paper.low_m.array()).any() ||
+                   (x_in_board.array() > sheet.paper.high_m.array()).any();
+  if (off) return kWall;
+  return target::is_black(sheet.artwork, x_in_board) ? kBlack : kWhite;
 }
 
 /// Where rays meet the board's plane: x_in_board is the dehomogenised product.
@@ -39,16 +53,17 @@ Eigen::Matrix3d board_from_ray(const Rigid3& cam_from_board) {
   return plane.inverse();
 }
 
-/// Whether all squares are in the picture; the paper around them need not be.
+/// Whether all that is printed is in the picture, or no farther out than the scene allows; the paper around
+/// it need not be.
 bool fits(const Scene& scene, const Rigid3& cam_from_board) {
-  const Boards& b = scene.boards;
-  for (double x : {-1.0, static_cast<double>(b.corners_x)}) {
-    for (double y : {-1.0, static_cast<double>(b.corners_y)}) {
-      const auto px =
-          camera::project(scene.camera, cam_from_board * Vector3d(x * b.square_m, y * b.square_m, 0.0));
-      if (!px || px->x() < kPictureMargin_px || px->y() < kPictureMargin_px ||
-          px->x() > scene.camera.width - 1 - kPictureMargin_px ||
-          px->y() > scene.camera.height - 1 - kPictureMargin_px) {
+  const target::PrintedExtent printed = target::printed_extent(printed_board(scene.boards));
+  const double margin_px =
+      scene.boards.outside > 0.0 ? -scene.boards.outside * scene.camera.width : kPictureMargin_px;
+  for (const double x : {printed.low_m.x(), printed.high_m.x()}) {
+    for (const double y : {printed.low_m.y(), printed.high_m.y()}) {
+      const auto px = camera::project(scene.camera, cam_from_board * Vector3d(x, y, 0.0));
+      if (!px || px->x() < margin_px || px->y() < margin_px || px->x() > scene.camera.width - 1 - margin_px ||
+          px->y() > scene.camera.height - 1 - margin_px) {
         return false;
       }
     }
@@ -58,10 +73,24 @@ bool fits(const Scene& scene, const Rigid3& cam_from_board) {
 
 }  // namespace
 
+target::BoardSpec printed_board(const Boards& boards) {
+  target::BoardSpec out{"board", boards.corners_x, boards.corners_y, boards.square_m, 1.0, boards.type};
+  if (boards.type == target::BoardKind::charuco) {
+    out.marker_m = boards.marker_m;
+    out.dictionary = "5x5_250";
+  } else if (boards.type == target::BoardKind::aprilgrid) {
+    out.gap_m = boards.gap_m;
+    out.dictionary = "apriltag_36h11";
+  }
+  return out;
+}
+
 std::vector<Rigid3> true_boards(const Scene& scene) {
   const Boards& b = scene.boards;
-  const Vector3d middle(0.5 * (b.corners_x - 1) * b.square_m, 0.5 * (b.corners_y - 1) * b.square_m, 0.0);
-  const double breadth_m = (b.corners_x + 1) * b.square_m;
+  const target::PrintedExtent printed = target::printed_extent(printed_board(b));
+  const Vector2d centre = 0.5 * (printed.low_m + printed.high_m);
+  const Vector3d middle(centre.x(), centre.y(), 0.0);
+  const double breadth_m = printed.high_m.x() - printed.low_m.x();
   const double tilt = geom::deg_to_rad(b.max_tilt_deg);
   std::vector<Rigid3> poses;
   base::Random random(base::mix_bits(scene.seed ^ 0xb04d5));
@@ -100,6 +129,7 @@ LightImage light_board(const Scene& scene, const RayTable& rays, const Rigid3& c
                        std::uint64_t key) {
   const Boards& b = scene.boards;
   const int width = scene.camera.width, height = scene.camera.height;
+  const Sheet sheet = make_sheet(b);
   const Eigen::Matrix3d to_board = board_from_ray(cam_from_board);
   base::Random random(key);
   const double toward = random.uniform(0.0, 2.0 * geom::kPi);
@@ -108,7 +138,7 @@ LightImage light_board(const Scene& scene, const RayTable& rays, const Rigid3& c
   const auto texture_key = static_cast<std::uint32_t>(key);
   const auto at = [&](const Vector2d& ray) {
     const Vector3d hit = to_board * Vector3d(ray.x(), ray.y(), 1.0);
-    return hit.z() > 0.0 ? sheet(b, hit.head<2>() / hit.z()) : kWall;
+    return hit.z() > 0.0 ? light_of(sheet, hit.head<2>() / hit.z()) : kWall;
   };
   LightImage light(width, height);
   // What the pixels' corners see, along the upper and the lower border of one picture row: equal at all four,

@@ -9,6 +9,7 @@
 #include "furrow/base/time.h"
 #include "furrow/base/value.h"
 #include "furrow/sim/simulate.h"
+#include "sim/board.h"
 
 namespace furrow::sim {
 namespace {
@@ -76,9 +77,16 @@ void visit(Visitor& v, Sun& s) {
 template <class Visitor>
 void visit(Visitor& v, Boards& b) {
   v.integer("count", b.count, 0, 1000);
+  v.choice("type", b.type,
+           {{"checkerboard", target::BoardKind::checkerboard},
+            {"charuco", target::BoardKind::charuco},
+            {"aprilgrid", target::BoardKind::aprilgrid}});
   v.integer("corners_x", b.corners_x, 3, 50);
   v.integer("corners_y", b.corners_y, 3, 50);
   v.number("square_m", b.square_m, 0.001, 0.999);
+  v.number("marker_m", b.marker_m, 0.0005, 0.999);
+  v.number("gap_m", b.gap_m, 0.0005, 0.999);
+  v.number("outside", b.outside, 0, 0.4);
   v.number("max_tilt_deg", b.max_tilt_deg, 0, 60);
   v.number("light_gradient", b.light_gradient, 0, 0.8);
 }
@@ -400,6 +408,8 @@ void check_together(const Scene& scene, Checker& checker) {
     checker.fail("field.curvature_per_m", base::format_double(f.curvature_per_m),
                  "rows that do not fold over their common centre");
   }
+  const Status board = target::validate(printed_board(scene.boards));
+  if (!board.ok()) checker.fail("boards", board.error().found, board.error().wanted);
   const Status lens = camera::validate(scene.camera);
   if (!lens.ok()) checker.fail("camera", lens.error().found, lens.error().wanted);
 }

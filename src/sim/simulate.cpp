@@ -13,6 +13,7 @@
 #include "furrow/geom/angles.h"
 #include "furrow/sim/world.h"
 #include "sim/airdata.h"
+#include "sim/board.h"
 
 namespace furrow::sim {
 namespace {
@@ -67,12 +68,10 @@ std::string truth_csv(const Scene& scene, const std::vector<ShotTruth>& shots) {
 
 std::string boards_csv(const Scene& scene, const std::vector<Rigid3>& boards) {
   std::string csv = "image,corner,u_px,v_px\n";
-  const Boards& b = scene.boards;
+  const auto corners = target::corners_in_board(printed_board(scene.boards));
   for (std::size_t i = 0; i < boards.size(); ++i) {
-    for (int corner = 0; corner < b.corners_x * b.corners_y; ++corner) {
-      const Eigen::Vector3d x_in_board(corner % b.corners_x * b.square_m, corner / b.corners_x * b.square_m,
-                                       0.0);
-      const auto px = camera::project(scene.camera, boards[i] * x_in_board);
+    for (std::size_t corner = 0; corner < corners.size(); ++corner) {
+      const auto px = camera::project(scene.camera, boards[i] * corners[corner]);
       if (!px) continue;
       csv += "boards/" + board_name(static_cast<int>(i)) + "," + std::to_string(corner) + "," +
              format_fixed(px->x(), 4) + "," + format_fixed(px->y(), 4) + "\n";
@@ -98,6 +97,17 @@ std::string rows_csv(const Scene& scene, const std::vector<ShotTruth>& shots) {
 }
 
 std::string board_yaml(const Boards& b) {
+  const target::BoardSpec board = printed_board(b);
+  if (b.type == target::BoardKind::charuco) {
+    return "type: charuco\nsquares: [" + std::to_string(b.corners_x + 1) + ", " +
+           std::to_string(b.corners_y + 1) + "]\nsquare_m: " + format_double(b.square_m) +
+           "\nmarker_m: " + format_double(b.marker_m) + "\ndictionary: " + board.dictionary + "\n";
+  }
+  if (b.type == target::BoardKind::aprilgrid) {
+    return "target_type: aprilgrid\ntagCols: " + std::to_string(b.corners_x / 2) +
+           "\ntagRows: " + std::to_string(b.corners_y / 2) + "\ntagSize: " + format_double(b.square_m) +
+           "\ntagSpacing: " + format_double(b.gap_m / b.square_m) + "\n";
+  }
   return "type: checkerboard\ncorners: [" + std::to_string(b.corners_x) + ", " + std::to_string(b.corners_y) +
          "]\nsquare_m: " + format_double(b.square_m) + "\n";
 }

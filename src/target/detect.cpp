@@ -220,6 +220,54 @@ std::vector<BoardGuess> guess_boards(const std::vector<std::filesystem::path>& f
   return out;
 }
 
+namespace {
+
+/// Pictures that could show the board: readable, of the common size, and no copies.
+int candidates(const std::vector<BoardDetection>& detections) {
+  return static_cast<int>(std::count_if(detections.begin(), detections.end(), [](const BoardDetection& one) {
+    return one.width > 0 && !one.reason.starts_with("byte-identical") && !one.reason.starts_with("size ");
+  }));
+}
+
+/// A few of the pictures, grey and small, from all over the set.
+std::vector<Image> sample(const std::vector<std::filesystem::path>& files, const DetectOptions& options) {
+  constexpr std::size_t kMost = 5;
+  std::vector<Image> out;
+  const std::size_t step = std::max<std::size_t>(1, files.size() / kMost);
+  for (std::size_t i = 0; i < files.size() && out.size() < kMost; i += step) {
+    const auto picture = image::read_image(files[i]);
+    if (picture.ok()) out.push_back(coarse_copy(image::to_grey(*picture), options.coarse_side_px).grey);
+  }
+  return out;
+}
+
+std::string what_fits_instead(const std::vector<std::filesystem::path>& files, const BoardSpec& board,
+                              const DetectOptions& options, int threads, const base::Progress& progress) {
+  if (board.kind != BoardKind::checkerboard) return explain_marker_board(sample(files, options), board);
+  const auto guesses = guess_boards(files, options, threads, progress);
+  return guesses.empty() ? "no whole checkerboard of any counts shows" : explain_board(board, guesses);
+}
+
+}  // namespace
+
+BoardCheck check_board(const std::vector<std::filesystem::path>& files, const BoardSpec& board,
+                       const DetectOptions& options, int threads, const base::Progress& progress) {
+  BoardCheck out{detect_boards(files, board, options, threads, progress), 0, false, ""};
+  for (const BoardDetection& one : out.detections) out.found += one.found ? 1 : 0;
+  const int possible = candidates(out.detections);
+  const std::string count = std::to_string(out.found) + " of " + std::to_string(possible) + " pictures";
+  out.fits = out.found > 0 && 2 * out.found >= possible;
+  if (out.fits) {
+    out.verdict = "the description fits " + count;
+    return out;
+  }
+  const std::string instead = what_fits_instead(files, board, options, threads, progress);
+  out.verdict =
+      "the description fits " + count + "; " +
+      (instead.empty() ? "no other fits better: is the board seen whole, sharp and large enough?" : instead);
+  return out;
+}
+
 std::string explain_board(const BoardSpec& described, const std::vector<BoardGuess>& guesses) {
   if (guesses.empty()) return "";
   const int longer = std::max(described.corners_x, described.corners_y),

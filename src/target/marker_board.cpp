@@ -298,7 +298,117 @@ Seen look(const Image& grey, const BoardSpec& board, const DetectOptions& option
   return best;
 }
 
+/// Markers seen in each of some pictures.
+using SeenInPictures = std::vector<std::vector<SeenMarker>>;
+
+SeenInPictures markers_in(const std::vector<Image>& greys, const BoardSpec& board) {
+  SeenInPictures out;
+  for (const Image& grey : greys) out.push_back(find_markers(grey, board));
+  return out;
+}
+
+std::size_t count_all(const SeenInPictures& seen) {
+  std::size_t count = 0;
+  for (const auto& one : seen) count += one.size();
+  return count;
+}
+
+std::size_t count_on_board(const SeenInPictures& seen, const BoardSpec& board) {
+  std::size_t count = 0;
+  for (const auto& one : seen) {
+    const std::size_t agree = markers_on_board(one, board).size();
+    count += agree > 1 ? agree : 0;  // one alone agrees with everything
+  }
+  return count;
+}
+
+/// Squares (ChArUco) or tags (AprilGrid) a side.
+std::pair<int, int> counts_of(const BoardSpec& board) {
+  if (board.kind == BoardKind::aprilgrid) return {board.corners_x / 2, board.corners_y / 2};
+  return {board.corners_x + 1, board.corners_y + 1};
+}
+
+BoardSpec with_counts(BoardSpec board, int columns, int rows) {
+  const bool tags = board.kind == BoardKind::aprilgrid;
+  board.corners_x = tags ? 2 * columns : columns - 1;
+  board.corners_y = tags ? 2 * rows : rows - 1;
+  return board;
+}
+
+/// Layouts that others confuse with this one: any count of columns, with as many rows as the ids need, both
+/// ways of beginning a ChArUco board.
+std::vector<BoardSpec> other_layouts(const BoardSpec& described, int largest_id) {
+  constexpr int kMostColumns = 40;
+  std::vector<BoardSpec> out;
+  for (const bool legacy : {false, true}) {
+    for (int columns = 3; columns <= kMostColumns; ++columns) {
+      int rows = columns == counts_of(described).first ? counts_of(described).second : 3;
+      if (columns == counts_of(described).second) rows = std::max(rows, counts_of(described).first);
+      BoardSpec other = with_counts(described, columns, rows);
+      other.legacy_pattern = legacy;
+      while (marker_count(other) <= largest_id) other = with_counts(other, columns, ++rows);
+      out.push_back(other);
+    }
+    if (described.kind == BoardKind::aprilgrid) break;
+  }
+  return out;
+}
+
+std::string name_counts(const BoardSpec& board) {
+  const auto [columns, rows] = counts_of(board);
+  if (board.kind == BoardKind::aprilgrid)
+    return "tagCols: " + std::to_string(columns) + ", tagRows: " + std::to_string(rows);
+  return "squares: [" + std::to_string(columns) + ", " + std::to_string(rows) + "]" +
+         (board.legacy_pattern ? " with legacy_pattern: true" : "");
+}
+
+int largest_id(const SeenInPictures& seen) {
+  int largest = 0;
+  for (const auto& one : seen) {
+    if (!one.empty()) largest = std::max(largest, one.back().id);
+  }
+  return largest;
+}
+
+/// The dictionary of most markers in the pictures; empty when no dictionary has any to speak of.
+std::string dictionary_seen(const std::vector<Image>& greys, BoardSpec board) {
+  // Small dictionaries find a stray marker in anything.
+  std::size_t most = 3 * greys.size();
+  std::string best;
+  for (const std::string& key : dictionary_keys()) {
+    board.dictionary = key;
+    const std::size_t count = count_all(markers_in(greys, board));
+    if (count > most) {
+      most = count;
+      best = key;
+    }
+  }
+  return best;
+}
+
 }  // namespace
+
+std::string explain_marker_board(const std::vector<Image>& greys, const BoardSpec& described) {
+  const SeenInPictures seen = markers_in(greys, described);
+  const std::size_t all = count_all(seen), own = count_on_board(seen, described);
+  if (all < 3 * greys.size()) {
+    const std::string other = dictionary_seen(greys, described);
+    if (other.empty()) return "no markers show";
+    return "markers of " + other + " show, not of " + described.dictionary;
+  }
+  BoardSpec best = described;
+  std::size_t most = own;
+  for (const BoardSpec& other : other_layouts(described, largest_id(seen))) {
+    const std::size_t count = count_on_board(seen, other);
+    if (count > most) {
+      most = count;
+      best = other;
+    }
+  }
+  if (most == own) return "";
+  return name_counts(best) + " fits " + std::to_string(most) + " of the " + std::to_string(all) +
+         " markers seen, " + name_counts(described) + " only " + std::to_string(own);
+}
 
 BoardDetection detect_marker_board(const Image& grey, const BoardSpec& board, const DetectOptions& options) {
   BoardDetection out;

@@ -97,9 +97,15 @@ std::optional<Dictionary> find_dictionary(const std::string& key) {
   return Dictionary{dictionary->bytesList.rows, dictionary->markerSize};
 }
 
+std::vector<std::string> dictionary_keys() {
+  std::vector<std::string> out;
+  for (const auto& [name, number] : kDictionaries) out.emplace_back(name);
+  return out;
+}
+
 std::string dictionary_names() {
   std::string out;
-  for (const auto& [name, number] : kDictionaries) out += (out.empty() ? "" : ", ") + std::string(name);
+  for (const std::string& key : dictionary_keys()) out += (out.empty() ? "" : ", ") + key;
   return out;
 }
 

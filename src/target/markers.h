@@ -20,7 +20,9 @@ struct Dictionary {
 std::string dictionary_key(const std::string& name);
 /// Nothing for an unknown name.
 std::optional<Dictionary> find_dictionary(const std::string& key);
-/// All names, for messages.
+/// All names, smaller dictionaries of one kind first.
+std::vector<std::string> dictionary_keys();
+/// The same in one sentence, for messages.
 std::string dictionary_names();
 
 /// A marker as printed.

@@ -11,6 +11,21 @@ printf 'type: checkerboard\ncorners: [9, 6]\nsquare_m: 25\n' > "$out/mm.yaml"
 expect_exit 2 "$furrow" calibrate --target "$out/mm.yaml" --out "$out/c" a.jpg
 expect_says "mm.yaml"
 
+expect_exit 2 "$furrow" target sheet "$out/mm.yaml" -o "$out/mm.pdf"
+expect_says "25 mm is 0.025"
+expect_exit 2 "$furrow" target sheet "$source/calib_targets/thesis-9x6-38mm.yaml" --paper A4 -o "$out/b.pdf"
+expect_says "it fits on A2"
+[ -e "$out/b.pdf" ] && die "a refused sheet was written"
+expect_exit 0 "$furrow" target sheet "$board" -o "$out/board.png" --dpi 72
+expect_exit 0 "$furrow" target check "$board" "$out/board.png"
+expect_says "fits 1 of 1"
+printf 'type: checkerboard\ncorners: [10, 7]\nsquare_m: 0.025\n' > "$out/squares.yaml"
+expect_exit 1 "$furrow" target check "$out/squares.yaml" "$out/board.png"
+expect_says "corners: [9, 6] fits"
+expect_exit 2 "$furrow" calibrate --out "$out/c" "$out/board.png"
+expect_says "a checkerboard of 9x6 inner corners shows in 1 of 1"
+expect_says "--square-mm 25"
+
 printf 'not a picture' > "$out/broken.jpg"
 expect_exit 2 "$furrow" rows --out "$out/r" "$out/broken.jpg"
 expect_says "broken.jpg"

@@ -71,5 +71,33 @@ TEST(Board, RefusalsSayWhatIsWrong) {
   EXPECT_FALSE(read_board("no/such/board.yaml").ok());
 }
 
+// Whatever stands in a file: a board that is valid, or an error in words.
+TEST(Board, CutAndFlippedFilesGiveErrorsOrValidBoards) {
+  const std::string texts[] = {
+      "type: checkerboard\ncorners: [9, 6]\nsquare_m: 0.025\naspect: 1.01\n",
+      "type: charuco\nsquares: [11, 8]\nsquare_m: 0.03\nmarker_m: 0.022\ndictionary: "
+      "5x5_100\nlegacy_pattern: true\n",
+      "target_type: 'aprilgrid'\ntagCols: 6\ntagRows: 5\ntagSize: 0.088\ntagSpacing: 0.3\n"};
+  const auto judge = [](const std::string& text) {
+    const auto board = parse_board(text, "fuzz.yaml");
+    if (!board.ok()) {
+      EXPECT_FALSE(board.error().message().empty());
+      return;
+    }
+    EXPECT_TRUE(validate(*board).ok());
+    EXPECT_EQ(corners_in_board(*board).size(), static_cast<std::size_t>(board->corners_x * board->corners_y));
+  };
+  for (const std::string& text : texts) {
+    for (std::size_t at = 0; at < text.size(); ++at) {
+      judge(text.substr(0, at));
+      for (const int mask : {0x01, 0x08, 0x20, 0x80, 0xff}) {
+        std::string flipped = text;
+        flipped[at] = static_cast<char>(flipped[at] ^ mask);
+        judge(flipped);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace furrow::target

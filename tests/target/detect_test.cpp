@@ -195,6 +195,49 @@ TEST_F(DetectFiles, CountsCornersOfAnUnknownBoard) {
   EXPECT_TRUE(guess_boards({folder_ / "none.png"}).empty());
 }
 
+TEST_F(DetectFiles, CheckSaysWhichDescriptionFits) {
+  const Camera camera = plain_camera(640, 480, 520.0);
+  std::vector<std::filesystem::path> files;
+  for (const double turn : {0.0, 0.3, -0.4}) {
+    files.push_back(folder_ / (std::to_string(files.size()) + ".png"));
+    ASSERT_TRUE(
+        image::write_image(files.back(), render_board(camera, kBoard, facing(kBoard, 0.5, {turn, 0.1, 0}), 2))
+            .ok());
+  }
+  const auto verdict = [&](int x, int y) {
+    const BoardCheck check = check_board(files, {"b", x, y, 0.025, 1.0});
+    EXPECT_EQ(check.fits, check.found == 3) << check.verdict;
+    return check.verdict;
+  };
+  EXPECT_NE(verdict(9, 6).find("fits 3 of 3"), std::string::npos);
+  EXPECT_NE(verdict(6, 9).find("fits 3 of 3"), std::string::npos);  // the same board, counted the other way
+  EXPECT_NE(verdict(10, 7).find("counts the squares"), std::string::npos) << verdict(10, 7);
+  EXPECT_NE(verdict(9, 7).find("corners: [9, 6] fits 3"), std::string::npos) << verdict(9, 7);
+}
+
+TEST_F(DetectFiles, CheckSaysWhichMarkersFit) {
+  BoardSpec board{"c", 10, 7, 0.022, 1.0, BoardKind::charuco};
+  board.marker_m = 0.016;
+  board.dictionary = "5x5_50";
+  const Camera camera = plain_camera(640, 480, 520.0);
+  std::vector<std::filesystem::path> files;
+  for (const double turn : {0.1, -0.3}) {
+    files.push_back(folder_ / (std::to_string(files.size()) + ".png"));
+    ASSERT_TRUE(
+        image::write_image(files.back(), render_board(camera, board, facing(board, 0.3, {turn, 0.1, 0}), 2))
+            .ok());
+  }
+  EXPECT_TRUE(check_board(files, board).fits);
+  BoardSpec swapped = board;
+  std::swap(swapped.corners_x, swapped.corners_y);
+  EXPECT_NE(check_board(files, swapped).verdict.find("squares: [11, 8] fits"), std::string::npos)
+      << check_board(files, swapped).verdict;
+  BoardSpec other = board;
+  other.dictionary = "6x6_250";
+  EXPECT_NE(check_board(files, other).verdict.find("markers of 5x5_50 show"), std::string::npos)
+      << check_board(files, other).verdict;
+}
+
 // Every picture that Debian ships shows the whole 9 x 6 board.
 TEST(DetectReal, AllOfOpenCvsOwnPictures) {
   const std::filesystem::path folder = "/usr/share/doc/opencv-doc/examples/data";

@@ -28,11 +28,18 @@ struct CalibrateOutcome {
   std::vector<std::string> files;  ///< written, relative to the output folder
 };
 
+/// Which board the pictures show: a file says it; without one the corners are counted in the pictures, and
+/// only the square must be told.
+struct BoardSource {
+  std::filesystem::path file;  ///< empty: count
+  double square_m = 0.0;       ///< of a board that is counted; 0: not told
+};
+
 /// Boards in pictures -> camera.cameramodel, camera.yaml, calibration.json, report.html, figures/ in `out`.
-/// Errors: those of read_board, calibrate and file writing.
+/// Errors: those of read_board, calibrate and file writing; board_unknown (none was described and none
+/// counted), square_unknown (says what was counted).
 Result<CalibrateOutcome> calibrate_job(const std::vector<std::filesystem::path>& images,
-                                       const std::filesystem::path& board_file,
-                                       const calib::CalibrateOptions& options,
+                                       const BoardSource& board, const calib::CalibrateOptions& options,
                                        const std::filesystem::path& out, const JobOptions& job = {});
 
 /// Rows of one picture, for rows.json.

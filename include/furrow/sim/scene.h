@@ -7,6 +7,7 @@
 
 #include "furrow/base/result.h"
 #include "furrow/camera/camera.h"
+#include "furrow/target/board.h"
 
 namespace furrow::sim {
 
@@ -55,11 +56,15 @@ struct Sun {
   double diffuse = 0.22;       ///< sky light on a level surface as a part of the sun's
 };
 
-/// The checkerboard session.
+/// The session with a calibration board.
 struct Boards {
-  int count = 20;                    ///< pictures; 0: no session
-  int corners_x = 9, corners_y = 6;  ///< inner corners
-  double square_m = 0.038;
+  int count = 20;  ///< pictures; 0: no session
+  target::BoardKind type = target::BoardKind::checkerboard;
+  int corners_x = 9, corners_y = 6;  ///< inner corners; on an AprilGrid two a tag
+  double square_m = 0.038;           ///< of an AprilGrid: a tag
+  double marker_m = 0.028;           ///< ChArUco
+  double gap_m = 0.0114;             ///< AprilGrid
+  double outside = 0.0;              ///< share of the picture's breadth by which a board may reach beyond it
   double max_tilt_deg = 40.0;
   double light_gradient = 0.25;  ///< relative change of light over the picture
 };

@@ -64,4 +64,20 @@ std::vector<BoardGuess> guess_boards(const std::vector<std::filesystem::path>& f
 /// the guesses or there is no guess.
 std::string explain_board(const BoardSpec& described, const std::vector<BoardGuess>& guesses);
 
+/// How a description fits pictures of a board.
+struct BoardCheck {
+  std::vector<BoardDetection> detections;  ///< one a file
+  int found = 0;                           ///< boards
+  bool fits = false;  ///< at least half of the readable, different pictures show this board
+  /// What a person should know: that it fits, or which description would ("corners: [9, 6]"), or that none
+  /// does.
+  std::string verdict;
+};
+
+/// Looks for the described board; where it is rarely seen, for what the pictures show instead: other counts
+/// of corners, squares counted as corners, and for markers another layout or another dictionary.
+BoardCheck check_board(const std::vector<std::filesystem::path>& files, const BoardSpec& board,
+                       const DetectOptions& options = {}, int threads = 0,
+                       const base::Progress& progress = {});
+
 }  // namespace furrow::target
