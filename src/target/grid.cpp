@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "furrow/base/text.h"
 #include "target/misfit.h"
@@ -101,6 +102,61 @@ double alternating_share(const Grid& grid, const Image& grey) {
   return count > 0 ? static_cast<double>(right) / count : 0.0;
 }
 
+/// Mean grey of 3 x 3 pixels about a place; nothing outside the picture.
+std::optional<double> patch_grey(const Image& grey, const Eigen::Vector2d& px) {
+  if (!(px.x() >= 1.0 && px.y() >= 1.0 && px.x() < grey.width - 2 && px.y() < grey.height - 2))
+    return std::nullopt;
+  double sum = 0.0;
+  for (int dv = -1; dv <= 1; ++dv) {
+    for (int du = -1; du <= 1; ++du) sum += grey_at(grey, px + Eigen::Vector2d(du, dv));
+  }
+  return sum / 9.0;
+}
+
+/// The step from a corner to its neighbour in the way (di, dj); beyond the grid the one before, carried on.
+Eigen::Vector2d step_px(const Grid& grid, int i, int j, int di, int dj) {
+  const bool inside = i + di >= 0 && j + dj >= 0 && i + di < grid.columns && j + dj < grid.rows;
+  return inside ? Eigen::Vector2d(grid.at(i + di, j + dj) - grid.at(i, j))
+                : Eigen::Vector2d(grid.at(i, j) - grid.at(i - di, j - dj));
+}
+
+/// Whether four squares meet at a corner, dark and bright by turns, those beyond the grid included: the outer
+/// corners of the outer squares are no corners of the board.
+bool four_squares_meet(const Grid& grid, const Image& grey, int i, int j) {
+  constexpr double kShare = 0.28;  // of a square: outer squares are often cut to half
+  std::array<std::vector<double>, 2> levels;
+  for (const int a : {-1, 1}) {
+    for (const int b : {-1, 1}) {
+      const auto level =
+          patch_grey(grey, grid.at(i, j) + kShare * (step_px(grid, i, j, a, 0) + step_px(grid, i, j, 0, b)));
+      if (level) levels[a == b ? 0 : 1].push_back(*level);
+    }
+  }
+  if (levels[0].empty() || levels[1].empty()) return true;  // at the picture's edge nothing can be said
+  const auto [low_a, high_a] = std::minmax_element(levels[0].begin(), levels[0].end());
+  const auto [low_b, high_b] = std::minmax_element(levels[1].begin(), levels[1].end());
+  const double gap = std::max(*low_a - *high_b, *low_b - *high_a);
+  const double contrast = std::max(*high_a, *high_b) - std::min(*low_a, *low_b);
+  constexpr double kSmallestGap = 0.3;  // of the contrast; blur and shading leave more, paper and noise less
+  return gap > kSmallestGap * contrast;
+}
+
+/// Whether most corners of an outer row or column are none: a lattice that begins a square too early. Single
+/// ones drown in glare.
+bool has_line_too_many(const Grid& grid, const Image& grey) {
+  const auto bad = [&](int i, int j) { return four_squares_meet(grid, grey, i, j) ? 0 : 1; };
+  int left = 0, right = 0, top = 0, bottom = 0;
+  for (int j = 0; j < grid.rows; ++j) {
+    left += bad(0, j);
+    right += bad(grid.columns - 1, j);
+  }
+  for (int i = 0; i < grid.columns; ++i) {
+    top += bad(i, 0);
+    bottom += bad(i, grid.rows - 1);
+  }
+  return 2 * std::max(left, right) > grid.rows || 2 * std::max(top, bottom) > grid.columns;
+}
+
 constexpr double kNoFit = std::numeric_limits<double>::infinity();
 
 /// Largest misfit of a corner, squares; kNoFit where no plane fits.
@@ -174,6 +230,7 @@ std::string grid_fault(const Grid& grid, const Image& grey, double largest_misfi
     return "a corner lies " + base::format_fixed(misfit, 2) +
            " squares from where the board's homography puts it";
   }
+  if (has_line_too_many(grid, grey)) return "along one of its sides no four squares meet";
   if (alternating_share(grid, grey) < 1.0) return "its squares do not alternate between dark and bright";
   return "";
 }

@@ -3,9 +3,10 @@
 //
 //   bench_calibration [--data DIR] [--finders] [--no-mrcal] [NAME...]
 //
-// --finders also runs OpenCV's two finders (minutes on large pictures). RMS is sqrt(sum of squared distances
-// / corners) for all; mrcal prints it per coordinate, so its number is multiplied by sqrt(2). mrcal's time is
-// that of its program, Python's start included; its own solver is the smaller part.
+// --finders also runs OpenCV's two finders and mrgingham (minutes on large pictures) and solves their
+// corners. RMS is sqrt(sum of squared distances / corners) for all; mrcal prints it per coordinate, so its
+// number is multiplied by sqrt(2). mrcal's time is that of its program, Python's start included; its own
+// solver is the smaller part.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -16,6 +17,7 @@
 #include <map>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -130,21 +132,91 @@ MrcalResult mrcal_solves(const std::vector<target::BoardDetection>& detections,
   return out;
 }
 
-int found_by_opencv(const std::vector<fs::path>& files, const Set& set, bool sector_based, double& time_s) {
-  const double start = seconds();
-  int found = 0;
+/// Boards as another finder sees them, in the form that our solve takes.
+struct Finder {
+  const char* name;
+  bool (*find)(const cv::Mat& grey, const cv::Size& size, std::vector<cv::Point2f>& corners);
+};
+
+bool find_sector_based(const cv::Mat& grey, const cv::Size& size, std::vector<cv::Point2f>& corners) {
+  return cv::findChessboardCornersSB(grey, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE);
+}
+
+bool find_classic(const cv::Mat& grey, const cv::Size& size, std::vector<cv::Point2f>& corners) {
+  if (!cv::findChessboardCorners(grey, size, corners)) return false;
+  cv::cornerSubPix(grey, corners, {5, 5}, {-1, -1},
+                   {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 40, 1e-3});
+  return true;
+}
+
+std::vector<target::BoardDetection> found_by_opencv(const std::vector<fs::path>& files, const Set& set,
+                                                    const Finder& finder) {
+  std::vector<target::BoardDetection> out;
   for (const auto& file : files) {
     const auto picture = image::read_image(file);
     if (!picture.ok()) continue;
     Image grey = image::to_grey(*picture);
     const cv::Mat mat(grey.height, grey.width, CV_8U, grey.data.data());
     std::vector<cv::Point2f> corners;
-    const cv::Size size(set.corners_x, set.corners_y);
-    found += sector_based ? cv::findChessboardCornersSB(mat, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE)
-                          : cv::findChessboardCorners(mat, size, corners);
+    target::BoardDetection one;
+    one.image = file.filename().string();
+    one.width = grey.width;
+    one.height = grey.height;
+    one.found = finder.find(mat, {set.corners_x, set.corners_y}, corners);
+    if (one.found)
+      for (const auto& c : corners)
+        one.corners_px.emplace_back(static_cast<double>(c.x), static_cast<double>(c.y));
+    out.push_back(std::move(one));
   }
-  time_s = seconds() - start;
-  return found;
+  return out;
+}
+
+/// mrgingham's program; it knows square boards only.
+std::vector<target::BoardDetection> found_by_mrgingham(const std::vector<fs::path>& files, const Set& set) {
+  const fs::path out_file = fs::temp_directory_path() / "furrow_bench_mrgingham.vnl";
+  std::string command = "timeout 300 mrgingham --jobs 2 --gridn " + std::to_string(set.corners_x);
+  for (const auto& file : files) command += " '" + file.string() + "'";
+  if (std::system((command + " > '" + out_file.string() + "' 2> /dev/null").c_str()) != 0) return {};
+  std::map<std::string, target::BoardDetection> by_name;
+  const auto text = base::read_file(out_file);
+  std::istringstream lines(text.ok() ? *text : "");
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string name;
+    double x = 0, y = 0;
+    if (line.starts_with('#') || !(words >> name >> x >> y)) continue;
+    by_name[name].corners_px.emplace_back(x, y);
+  }
+  std::vector<target::BoardDetection> out;
+  for (auto& [name, one] : by_name) {
+    const auto picture = image::read_image(name);
+    one.image = name;
+    one.width = picture.ok() ? picture->width : 0;
+    one.height = picture.ok() ? picture->height : 0;
+    one.found = true;
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
+void print_finder(const char* name, const std::vector<target::BoardDetection>& seen, double time_s,
+                  const target::BoardSpec& board) {
+  const auto found = std::count_if(seen.begin(), seen.end(), [](const auto& d) { return d.found; });
+  const auto solved = calib::calibrate(seen, board);
+  std::printf("    %-9s %3d boards %7.2f s  RMS after our solve %s px\n", name, static_cast<int>(found),
+              time_s, solved.ok() ? base::format_fixed(solved->rms_px, 4).c_str() : "-");
+}
+
+void bench_finders(const std::vector<fs::path>& files, const Set& set, const target::BoardSpec& board) {
+  for (const Finder& finder : {Finder{"SB", find_sector_based}, Finder{"classic", find_classic}}) {
+    const double start = seconds();
+    const auto seen = found_by_opencv(files, set, finder);
+    print_finder(finder.name, seen, seconds() - start, board);
+  }
+  if (set.corners_x != set.corners_y) return;
+  const double start = seconds();
+  const auto seen = found_by_mrgingham(files, set);
+  print_finder("mrgingham", seen, seconds() - start, board);
 }
 
 void bench_set(const Set& set, const fs::path& data, bool finders, bool with_mrcal) {
@@ -176,13 +248,8 @@ void bench_set(const Set& set, const fs::path& data, bool finders, bool with_mrc
     std::printf(" | mrcal %.4f px %.2f s fx %.1f, differs %.3f px", mrcal.rms_px, mrcal.time_s,
                 mrcal.camera.fx, difference.ok() ? difference->rms_px : -1.0);
   }
-  if (finders) {
-    double classic_s = 0.0, sector_s = 0.0;
-    const int classic = found_by_opencv(*files, set, false, classic_s),
-              sector = found_by_opencv(*files, set, true, sector_s);
-    std::printf(" | classic %d in %.1f s, SB %d in %.1f s", classic, classic_s, sector, sector_s);
-  }
   std::printf("\n");
+  if (finders) bench_finders(*files, set, board);
   std::fflush(stdout);
 }
 
