@@ -55,8 +55,7 @@ Result<JudgedCalibration> calibrate_from_pictures(const std::vector<std::filesys
   if (!calibration.ok()) {
     Error error = calibration.error();
     if (error.code == "too_few_boards") {
-      const std::string better =
-          target::explain_board(board, target::guess_boards(images, {}, job.threads, job.progress));
+      const std::string better = target::what_fits_instead(images, board, {}, job.threads, job.progress);
       if (!better.empty()) error.hint = better;
     }
     return error;

@@ -10,6 +10,7 @@
 #include "target/find.h"
 #include "target/grid.h"
 #include "target/marker_board.h"
+#include "target/picture_fault.h"
 #include "target/refine.h"
 
 namespace furrow::target {
@@ -132,16 +133,15 @@ BoardDetection read_and_detect(const std::filesystem::path& file, const BoardSpe
 
 }  // namespace
 
-BoardDetection detect_board(const Image& picture, const BoardSpec& board, const DetectOptions& options) {
-  check(validate(board).ok(), "detect_board: the board is not valid");
+namespace {
+
+/// detect_board() for a board that must be seen whole.
+BoardDetection detect_checkerboard(const Image& grey, const BoardSpec& board, const DetectOptions& options) {
   BoardDetection out;
-  out.width = picture.width;
-  out.height = picture.height;
+  out.width = grey.width;
+  out.height = grey.height;
   const std::string wanted = size_name(board.corners_x, board.corners_y);
   out.reason = "no board of " + wanted + " inner corners found";
-  if (picture.empty() || std::min(picture.width, picture.height) < 2 * kSmallestSquarePx) return out;
-  const Image grey = image::to_grey(picture);
-  if (board.kind != BoardKind::checkerboard) return detect_marker_board(grey, board, options);
   const Coarse coarse = coarse_copy(grey, std::max(64, options.coarse_side_px));
   const Found seen = find_grid(coarse.grey, board.corners_x, board.corners_y);
   if (seen.grid.px.empty()) {
@@ -171,6 +171,24 @@ BoardDetection detect_board(const Image& picture, const BoardSpec& board, const 
   out.corners_px = grid.px;
   out.found = true;
   out.reason.clear();
+  return out;
+}
+
+}  // namespace
+
+BoardDetection detect_board(const Image& picture, const BoardSpec& board, const DetectOptions& options) {
+  check(validate(board).ok(), "detect_board: the board is not valid");
+  BoardDetection out;
+  out.width = picture.width;
+  out.height = picture.height;
+  out.reason = "the picture is too small for a board";
+  if (picture.empty() || std::min(picture.width, picture.height) < 2 * kSmallestSquarePx) return out;
+  const Image grey = image::to_grey(picture);
+  out = board.kind == BoardKind::checkerboard ? detect_checkerboard(grey, board, options)
+                                              : detect_marker_board(grey, board, options);
+  if (out.found) return out;
+  const std::string fault = picture_fault(coarse_copy(grey, std::max(64, options.coarse_side_px)).grey);
+  if (!fault.empty()) out.reason += "; " + fault;
   return out;
 }
 
@@ -241,14 +259,14 @@ std::vector<Image> sample(const std::vector<std::filesystem::path>& files, const
   return out;
 }
 
+}  // namespace
+
 std::string what_fits_instead(const std::vector<std::filesystem::path>& files, const BoardSpec& board,
                               const DetectOptions& options, int threads, const base::Progress& progress) {
   if (board.kind != BoardKind::checkerboard) return explain_marker_board(sample(files, options), board);
   const auto guesses = guess_boards(files, options, threads, progress);
   return guesses.empty() ? "no whole checkerboard of any counts shows" : explain_board(board, guesses);
 }
-
-}  // namespace
 
 BoardCheck check_board(const std::vector<std::filesystem::path>& files, const BoardSpec& board,
                        const DetectOptions& options, int threads, const base::Progress& progress) {

@@ -107,6 +107,22 @@ TEST(Detect, NoBoardNoAnswerWhateverThePicture) {
     EXPECT_FALSE(detect_board(picture, kBoard).found);
 }
 
+// Why there is no board, where the picture itself is to blame.
+TEST(Detect, NamesBlurredOverexposedAndDarkPictures) {
+  const Scene s = scene(kBoard, plain_camera(640, 480, 520.0), facing(kBoard, 0.8, {0.1, 0.2, 0.1}));
+  EXPECT_EQ(detect_board(s.picture, {"other", 5, 5, 0.025, 1.0}).reason.find("blurred"), std::string::npos);
+  Image blurred = s.picture, white = s.picture, dark = s.picture;
+  for (int i = 0; i < 60; ++i) blurred = softened(blurred);
+  for (auto& level : white.data) level = static_cast<std::uint8_t>(std::min(255, level + 160));
+  for (auto& level : dark.data) level = static_cast<std::uint8_t>(level / 40);
+  EXPECT_NE(detect_board(blurred, kBoard).reason.find("blurred: its sharpest edges"), std::string::npos)
+      << detect_board(blurred, kBoard).reason;
+  EXPECT_NE(detect_board(white, kBoard).reason.find("overexposed"), std::string::npos)
+      << detect_board(white, kBoard).reason;
+  EXPECT_NE(detect_board(dark, kBoard).reason.find("too dark"), std::string::npos)
+      << detect_board(dark, kBoard).reason;
+}
+
 // The claimed sigma against the scatter of re-noised pictures. The claim leaves out rounding and the
 // interpolation's smoothing.
 TEST(Detect, ClaimedSigmaIsTheScatterOfNoisyPictures) {

@@ -22,7 +22,7 @@ struct BoardDetection {
   /// the absolute level leaves out the lens, the paper and the JPEG.
   std::vector<double> sigma_px;
   /// When not found: "no board of 9x6 inner corners found", "picture unreadable: ...", "byte-identical to
-  /// ...".
+  /// ...", and what is wrong with the picture: blurred, overexposed, too dark.
   std::string reason;
   std::string sha256;  ///< of the file's bytes, to name copies
 };
@@ -63,6 +63,12 @@ std::vector<BoardGuess> guess_boards(const std::vector<std::filesystem::path>& f
 /// corners, one side off, or simply other counts; which description fits. Empty when the description is among
 /// the guesses or there is no guess.
 std::string explain_board(const BoardSpec& described, const std::vector<BoardGuess>& guesses);
+
+/// Which description would fit pictures that a board's own hardly fits, in words: explain_board() for
+/// checkerboards; for markers another layout or another dictionary. Empty when none fits better.
+std::string what_fits_instead(const std::vector<std::filesystem::path>& files, const BoardSpec& board,
+                              const DetectOptions& options = {}, int threads = 0,
+                              const base::Progress& progress = {});
 
 /// How a description fits pictures of a board.
 struct BoardCheck {
