@@ -86,17 +86,68 @@ std::vector<Series> offset_series(const FollowingCurves& curves) {
   return series;
 }
 
-void draw_speed(Drawing& drawing, const Point& corner, const Point& end, const Axis& x,
-                const FollowingCurves& curves) {
+/// One of several plots above each other.
+struct Panel {
+  Point corner, end;
+  Axis x, y;
+};
+
+/// Draws the axes of all panels with one left border, whatever the width of their numbers.
+std::vector<Frame> draw_aligned(Drawing& drawing, const std::vector<Panel>& panels) {
+  std::vector<double> borders;
+  for (const Panel& panel : panels) {
+    Drawing aside;
+    borders.push_back(draw_axes(aside, panel.corner, panel.end, panel.x, panel.y).top_left.x());
+  }
+  const double common = *std::max_element(borders.begin(), borders.end());
+  std::vector<Frame> frames;
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    const Point shift(common - borders[i], 0.0);
+    frames.push_back(draw_axes(drawing, panels[i].corner + shift, panels[i].end, panels[i].x, panels[i].y));
+  }
+  return frames;
+}
+
+Axis time_axis(const std::vector<double>& t_s) {
+  Axis x = axis_over("time in the source / s", t_s, 10);
+  x.low = t_s.front();
+  x.high = std::max(t_s.back(), x.low + 1e-3);
+  std::erase_if(x.ticks.values, [&](double tick) { return tick < x.low || tick > x.high; });
+  return x;
+}
+
+Axis speed_axis(const FollowingCurves& curves) {
   std::vector<double> finite = curves.right_mps;
   finite.push_back(0.0);
   std::erase_if(finite, [](double v) { return !std::isfinite(v); });
-  const Frame frame = draw_axes(drawing, corner, end, x, axis_over("to the right / m/s", finite, 4));
+  return axis_over("to the right / m/s", finite, 4);
+}
+
+int fill_panel(Drawing& drawing, const Frame& frame, const FollowingCurves& curves,
+               const std::vector<Series>& series) {
   shade_holds(drawing, frame, curves);
   draw_level(drawing, frame, 0.0, kMidGrey, {}, 0.6);
-  draw_series(
-      drawing, frame,
-      {over_time(look("lateral speed asked for", kPurple, 1.1, {}, Marker::none), curves, curves.right_mps)});
+  if (series.empty()) draw_note(drawing, frame, "no row was seen");
+  return draw_series(drawing, frame, series);
+}
+
+double draw_following_legend(Drawing& drawing, const FollowingCurves& curves,
+                             const std::vector<Series>& series) {
+  std::vector<LegendEntry> legend;
+  for (const Series& one : series) legend.push_back(legend_of(one));
+  LegendEntry hold{"hold: nothing to steer by", {0xE8, 0xE8, 0xE8}};
+  hold.bar = true;
+  if (std::find(curves.is_hold.begin(), curves.is_hold.end(), true) != curves.is_hold.end())
+    legend.push_back(hold);
+  return draw_legend(drawing, {kMarginPt, kMarginPt}, drawing.width_pt - 2 * kMarginPt, legend);
+}
+
+std::string following_caption(const FollowingCurves& curves, int beyond, bool has_speed) {
+  const auto held = std::count(curves.is_hold.begin(), curves.is_hold.end(), true);
+  std::string caption = "Offset from the followed row over " + count_of(curves.t_s.size(), "picture") + ", " +
+                        std::to_string(held) + " of them on hold." + beyond_text(beyond);
+  if (has_speed) caption += " Below: the lateral speed that guidance asks for.";
+  return caption;
 }
 
 }  // namespace
@@ -106,32 +157,24 @@ Result<Figure> following_over_time(const FollowingCurves& curves, const FigureOp
   if (curves.t_s.empty()) return nothing_to_draw(name, "no picture", "at least one");
   const bool has_speed = any_finite(curves.right_mps);
   FURROW_TRY(Drawing drawing, paper(options, kOffsetMm + (has_speed ? kSpeedMm : 0.0)));
-  const double right = drawing.width_pt - kMarginPt, split = kOffsetMm * kPointsPerMm;
   const std::vector<Series> series = offset_series(curves);
-  std::vector<LegendEntry> legend;
-  for (const Series& one : series) legend.push_back(legend_of(one));
-  LegendEntry hold{"hold: nothing to steer by", {0xE8, 0xE8, 0xE8}};
-  hold.bar = true;
-  if (std::find(curves.is_hold.begin(), curves.is_hold.end(), true) != curves.is_hold.end())
-    legend.push_back(hold);
-  const double top = kMarginPt + draw_legend(drawing, {kMarginPt, kMarginPt}, right - kMarginPt, legend);
-  const std::string text =
-      curves.is_metric ? "camera left of the row / m" : "row right of the picture's middle / px";
-  Axis x = axis_over("time in the source / s", curves.t_s, 10);
-  x.low = curves.t_s.front();
-  x.high = std::max(curves.t_s.back(), x.low + 1e-3);
-  std::erase_if(x.ticks.values, [&](double tick) { return tick < x.low || tick > x.high; });
-  const Frame frame = draw_axes(drawing, {kMarginPt, top}, {right, split}, x, offset_axis(curves, text));
-  shade_holds(drawing, frame, curves);
-  draw_level(drawing, frame, 0.0, kMidGrey, {}, 0.6);
-  if (series.empty()) draw_note(drawing, frame, "no row was seen");
-  const int beyond = draw_series(drawing, frame, series);
-  if (has_speed) draw_speed(drawing, {kMarginPt, split}, {right, drawing.height_pt - kMarginPt}, x, curves);
-  const auto held = static_cast<std::size_t>(std::count(curves.is_hold.begin(), curves.is_hold.end(), true));
-  std::string caption = "Offset from the followed row over " + count_of(curves.t_s.size(), "picture") + ", " +
-                        std::to_string(held) + " of them on hold." + beyond_text(beyond);
-  if (has_speed) caption += " Below: the lateral speed that guidance asks for.";
-  return finish(name, caption, drawing, curves_table(curves), options);
+  const double top = kMarginPt + draw_following_legend(drawing, curves, series);
+  const double right = drawing.width_pt - kMarginPt, split = kOffsetMm * kPointsPerMm;
+  const Axis x = time_axis(curves.t_s);
+  const Axis y = offset_axis(
+      curves, curves.is_metric ? "camera left of the row / m" : "row right of the picture's middle / px");
+  std::vector<Panel> panels = {{{kMarginPt, top}, {right, split}, x, y}};
+  if (has_speed) {
+    const double bottom = drawing.height_pt - kMarginPt;
+    panels.push_back({{kMarginPt, split}, {right, bottom}, x, speed_axis(curves)});
+  }
+  const std::vector<Frame> frames = draw_aligned(drawing, panels);
+  const int beyond = fill_panel(drawing, frames[0], curves, series);
+  if (has_speed) {
+    const Series speed = look("lateral speed asked for", kPurple, 1.1, {}, Marker::none);
+    fill_panel(drawing, frames[1], curves, {over_time(speed, curves, curves.right_mps)});
+  }
+  return finish(name, following_caption(curves, beyond, has_speed), drawing, curves_table(curves), options);
 }
 
 namespace {
@@ -162,23 +205,21 @@ base::CsvTable hand_table(const std::vector<DeviationByHand>& flights) {
   return table;
 }
 
-void draw_hand_panel(Drawing& drawing, const DeviationByHand& flight, const Point& corner, const Point& end) {
+Panel hand_panel(const DeviationByHand& flight, const Point& corner, const Point& end) {
   std::vector<double> values = {0.0};
-  const std::vector<Series> series = hand_series(flight);
-  for (const Series& one : series) values.insert(values.end(), one.y.begin(), one.y.end());
+  for (const Series& one : hand_series(flight)) values.insert(values.end(), one.y.begin(), one.y.end());
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  const Frame frame = draw_axes(drawing, corner + Point(0, kTitlePt), end,
-                                counting_axis("picture number", flight.pictures.size(), end.x() - corner.x()),
-                                axis_over("deviation / " + flight.unit, values, 6));
+  return {corner + Point(0, kTitlePt), end,
+          counting_axis("picture number", flight.pictures.size(), end.x() - corner.x()),
+          axis_over("deviation / " + flight.unit, values, 6)};
+}
+
+void fill_hand_panel(Drawing& drawing, const Frame& frame, const DeviationByHand& flight) {
   draw_level(drawing, frame, 0.0, kMidGrey, {}, 0.6);
+  const double middle = 0.5 * (frame.top_left.x() + frame.bottom_right.x());
   drawing.items.push_back(
-      Text{{0.5 * (frame.top_left.x() + frame.bottom_right.x()), frame.top_left.y() - 4.0},
-           flight.flight,
-           kLegendTextPt,
-           kInk,
-           Align::middle,
-           true});
-  draw_series(drawing, frame, series);
+      Text{{middle, frame.top_left.y() - 4.0}, flight.flight, kLegendTextPt, kInk, Align::middle, true});
+  draw_series(drawing, frame, hand_series(flight));
 }
 
 }  // namespace
@@ -192,12 +233,15 @@ Result<Figure> deviation_by_hand(const std::vector<DeviationByHand>& flights, co
   for (const Series& one : hand_series(flights.front())) legend.push_back(legend_of(one));
   const double top = kMarginPt + draw_legend(drawing, {kMarginPt, kMarginPt}, right - kMarginPt, legend);
   const double height = (drawing.height_pt - top - kMarginPt) / static_cast<double>(flights.size());
+  std::vector<Panel> panels;
   std::size_t pictures = 0;
-  for (std::size_t k = 0; k < flights.size(); ++k) {
-    const double from = top + height * static_cast<double>(k);
-    draw_hand_panel(drawing, flights[k], {kMarginPt, from}, {right, from + height - 4.0});
-    pictures += flights[k].pictures.size();
+  for (const DeviationByHand& flight : flights) {
+    const double from = top + height * static_cast<double>(panels.size());
+    panels.push_back(hand_panel(flight, {kMarginPt, from}, {right, from + height - 4.0}));
+    pictures += flight.pictures.size();
   }
+  const std::vector<Frame> frames = draw_aligned(drawing, panels);
+  for (std::size_t k = 0; k < flights.size(); ++k) fill_hand_panel(drawing, frames[k], flights[k]);
   return finish(name,
                 "Deviation from the followed row read by hand and by the algorithms, " +
                     count_of(pictures, "picture") + " of " + count_of(flights.size(), "flight") + ".",
@@ -227,6 +271,14 @@ std::string signed_fixed(double value, int decimals) {
   return (value < 0.0 ? "" : "+") + base::format_fixed(value, decimals);
 }
 
+/// What steering goes by, as a length on the picture's middle row; metres by the row spacing there.
+std::optional<double> steering_px(const follow::Following& f, const follow::FollowerOptions& options) {
+  if (options.rule == follow::Rule::thesis) return f.thesis.steer_px;
+  const double px_per_unit = f.sighting.place.spacing_px / f.sighting.spacing;
+  if (!f.offset || !std::isfinite(px_per_unit)) return std::nullopt;
+  return f.offset->value * px_per_unit;
+}
+
 std::vector<std::string> words(const follow::Following& f, bool is_metric) {
   std::vector<std::string> lines;
   std::string row = f.row ? "row " + std::to_string(*f.row) : "no row";
@@ -249,29 +301,30 @@ std::vector<std::string> words(const follow::Following& f, bool is_metric) {
 }  // namespace
 
 Image following_picture(const Image& picture, const rows::RowLines& lines, const follow::Following& following,
-                        bool is_metric) {
+                        const follow::FollowerOptions& options) {
   const double unit = std::max(1.0, picture.height / 360.0);  // pens and type grow with the picture
   const double u_middle = 0.5 * (picture.width - 1), v_middle = 0.5 * (picture.height - 1);
   std::vector<image::InkLine> ink;
+  std::optional<double> u_followed;
   const int followed = following.row && following.nearest_row ? *following.row - *following.nearest_row : 0;
   for (const rows::RowLine& row : lines.rows) {
     if (row.index != followed) ink.push_back(along(row, kSkyBlue, unit));
   }
   for (const rows::RowLine& row : lines.rows) {
-    if (row.index == followed) ink.push_back(along(row, kOrange, 1.5 * unit));
+    if (row.index != followed) continue;
+    ink.push_back(along(row, kOrange, 1.5 * unit));
+    u_followed = rows::u_at(row, v_middle);
   }
   ink.push_back(upright(u_middle, picture.height, kThesisGreen, unit));
-  const follow::Steering& thesis = following.thesis;
-  if (thesis.deviation_px)
-    ink.push_back(upright(u_middle + *thesis.deviation_px, picture.height, kThesisRed, unit));
-  if (thesis.steer_px) {
+  if (u_followed) ink.push_back(upright(*u_followed, picture.height, kThesisRed, unit));
+  if (const auto steer_px = steering_px(following, options)) {
     image::InkLine arrow{
-        {{u_middle, v_middle}, {u_middle + *thesis.steer_px, v_middle}}, rgb(kThesisBlue), 2.0 * unit};
+        {{u_middle, v_middle}, {u_middle + *steer_px, v_middle}}, rgb(kThesisBlue), 2.0 * unit};
     arrow.has_arrow = true;
     ink.push_back(arrow);
   }
   std::vector<image::InkText> texts;
-  for (const std::string& line : words(following, is_metric)) {
+  for (const std::string& line : words(following, options.is_metric)) {
     const double at = 18.0 + 15.0 * static_cast<double>(texts.size());
     texts.push_back({{8.0 * unit, at * unit}, line, 7.5 * unit, rgb(kWhite)});
   }

@@ -99,9 +99,9 @@ class Capture final : public PictureSource {
     picture.index = at_++;
     picture.name = "picture " + std::to_string(at_);
     picture.t_video_ns = time_of(picture.index);
-    cv::Mat rgb;
+    picture.picture = make_image(bgr.cols, bgr.rows, 3);
+    cv::Mat rgb = view(picture.picture);
     cv::cvtColor(bgr, rgb, bgr.channels() == 1 ? cv::COLOR_GRAY2RGB : cv::COLOR_BGR2RGB);
-    picture.picture = from_mat(rgb);
     return picture;
   }
 

@@ -174,7 +174,7 @@ Status FollowFiles::add(const FollowedPicture& picture, const SeenPicture& seen)
                                                                      shown.width, shown.height, rate_hz_));
     overlay_ = std::move(writer);
   }
-  overlay_->add(figures::following_picture(shown, seen.lines, picture.following, curves_.is_metric));
+  overlay_->add(figures::following_picture(shown, seen.lines, picture.following, options_->follower));
   return Done{};
 }
 
