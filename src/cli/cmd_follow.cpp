@@ -1,4 +1,6 @@
+#include <malloc.h>
 #include <atomic>
+
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
@@ -115,8 +117,8 @@ void print_outcome(const project::FollowOutcome& outcome, const std::string& out
   for (const std::string& file : outcome.files) std::fprintf(stderr, "%s/%s\n", out.c_str(), file.c_str());
 }
 
-/// Every picture takes and gives back tens of megabytes; kept by the process instead of handed to the kernel each time,
-/// that saves 4 of 22 ms a picture.
+/// Every picture takes and gives back tens of megabytes; kept by the process instead of handed to the kernel
+/// each time, that saves 4 of 22 ms a picture.
 void keep_freed_memory() {
   ::mallopt(M_MMAP_THRESHOLD, 64 << 20);
   ::mallopt(M_TRIM_THRESHOLD, 256 << 20);

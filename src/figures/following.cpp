@@ -318,8 +318,9 @@ Image following_picture(const Image& picture, const rows::RowLines& lines, const
   ink.push_back(upright(u_middle, picture.height, kThesisGreen, unit));
   if (u_followed) ink.push_back(upright(*u_followed, picture.height, kThesisRed, unit));
   if (const auto steer_px = steering_px(following, options)) {
-    image::InkLine arrow{
-        {{u_middle, v_middle}, {u_middle + *steer_px, v_middle}}, rgb(kThesisBlue), 2.0 * unit};
+    // An arrow that points out of the picture ends at its border.
+    const double tip = std::clamp(u_middle + *steer_px, 0.01 * picture.width, 0.99 * picture.width);
+    image::InkLine arrow{{{u_middle, v_middle}, {tip, v_middle}}, rgb(kThesisBlue), 2.0 * unit};
     arrow.has_arrow = true;
     ink.push_back(arrow);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utils/logger.hpp>
@@ -134,16 +135,23 @@ class Capture final : public PictureSource {
     return info_.count > 0 && missing > std::max(2.0, 0.02 * static_cast<double>(info_.count));
   }
 
-  /// The container's time; where it stands still, a nominal period after the picture before.
+  /// The container's time. Where it stands still: for a camera what the clock says, else a nominal period
+  /// after the picture before.
   Nanoseconds time_of(std::int64_t index) {
     const double ms = capture_.get(cv::CAP_PROP_POS_MSEC);
     const auto stated = std::isfinite(ms) ? base::seconds_to_ns(ms * 1e-3) : 0;
-    if (index == 0) first_stated_ = stated;
-    const Nanoseconds period = base::seconds_to_ns(1.0 / info_.nominal_rate_hz);
+    if (index == 0) {
+      first_stated_ = stated;
+      started_ = std::chrono::steady_clock::now();
+      return 0;
+    }
     Nanoseconds t = stated - first_stated_;
-    if (index > 0 && t <= last_) {
+    if (t <= last_ && info_.kind == SourceKind::live) {
+      const auto since_start = std::chrono::steady_clock::now() - started_;
+      t = std::max(last_ + 1, Nanoseconds{std::chrono::nanoseconds(since_start).count()});
+    } else if (t <= last_) {
       ++made_up_;
-      t = last_ + period;
+      t = last_ + base::seconds_to_ns(1.0 / info_.nominal_rate_hz);
     }
     last_ = t;
     return t;
@@ -153,6 +161,7 @@ class Capture final : public PictureSource {
   SourceInfo info_;
   std::int64_t at_ = 0, made_up_ = 0;
   Nanoseconds first_stated_ = 0, last_ = 0;
+  std::chrono::steady_clock::time_point started_;
   bool has_ended_ = false;
   std::string note_;
 };

@@ -72,13 +72,15 @@ PictureQueue::~PictureQueue() {
 std::vector<TimedPicture> PictureQueue::take(std::size_t most) {
   using namespace std::chrono_literals;
   std::vector<TimedPicture> taken;
+  const auto is_stopped = [this] { return stop_ != nullptr && *stop_; };
+  if (is_stopped()) return taken;
   const std::size_t least = shared_->is_live ? 1 : most;
   std::unique_lock lock(shared_->mutex);
   auto heard = std::chrono::steady_clock::now();
   while (taken.size() < most) {
     while (!shared_->pictures.empty() && taken.size() < most) taken.push_back(shared_->pop());
     shared_->has_room.notify_one();
-    if (taken.size() >= least || shared_->has_ended || (stop_ != nullptr && *stop_)) break;
+    if (taken.size() >= least || shared_->has_ended || is_stopped()) break;
     // Woken now and then to see whether to stop.
     shared_->has_picture.wait_for(lock, 100ms);
     if (!shared_->pictures.empty()) heard = std::chrono::steady_clock::now();

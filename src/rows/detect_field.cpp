@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kSearchPixels =
     320.0 * 240.0;  // of the search: rows a few px apart are still told apart, and it takes milliseconds
-constexpr double kShapePixels = 1280.0 * 720.0;  // of the edges
 
 /// Row k at the model's places: from top to bottom where it is in the picture or less than a spacing outside.
 RowLine row_of(const CommonModel& model, int k, int width, const std::vector<double>& sample_v) {
@@ -115,8 +114,8 @@ RowLines detect_field(const Image& picture, const DetectOptions& options) {
     RowLine row = row_of(model, k, picture.width, sample_v);
     if (row.samples.size() >= 2) lines.rows.push_back(std::move(row));
   }
-  const bool is_fine = static_cast<double>(picture.width) * picture.height <= kSearchPixels;
-  shape_rows(leaf_map(is_fine ? map : green_map(picture, kShapePixels), model, found->tooth), model,
+  const bool is_fine = std::min(options.shape_pixels, 1.0 * picture.width * picture.height) <= kSearchPixels;
+  shape_rows(leaf_map(is_fine ? map : green_map(picture, options.shape_pixels), model, found->tooth), model,
              lines.rows);
   index_rows(lines);
   if (lines.rows.empty()) return no_rows(lines, found->score, options.least_score);

@@ -14,6 +14,7 @@
 #include "furrow/base/file.h"
 #include "furrow/base/parallel.h"
 #include "furrow/figures/comparison.h"
+#include "furrow/figures/following.h"
 #include "furrow/figures/pictures.h"
 #include "furrow/figures/sources.h"
 #include "furrow/figures/stacked.h"
@@ -30,6 +31,34 @@ void keep(Figure figure, const std::string& suffix = "") {
   if (folder == nullptr) return;
   figure.name += suffix;
   ASSERT_TRUE(write_figure(folder, figure).ok());
+}
+
+/// A minute of following with a gap, thinned as a run keeps it.
+FollowingCurves following_curves() {
+  FollowingCurves curves;
+  for (int i = 0; i < 240; ++i) {
+    const double t = 0.25 * i, offset = 0.3 * std::sin(0.4 * t);
+    const bool is_hold = i > 150 && i < 170;
+    curves.t_s.push_back(t);
+    curves.measured.push_back(is_hold ? kNaN : offset + 0.03 * std::sin(17.0 * i));
+    curves.filtered.push_back(is_hold ? kNaN : offset);
+    curves.filtered_sigma.push_back(is_hold ? kNaN : 0.04);
+    curves.thesis_steer.push_back(is_hold ? kNaN : 1.4 * offset + 0.1);
+    curves.right_mps.push_back(is_hold ? kNaN : 0.5 * offset);
+    curves.is_hold.push_back(is_hold);
+  }
+  return curves;
+}
+
+std::vector<DeviationByHand> flights_by_hand() {
+  DeviationByHand low{"3 m", "m", {}, {}, {}, {}}, high{"4 m <second>", "m", {"a"}, {0.2}, {kNaN}, {kInf}};
+  for (int i = 0; i < 30; ++i) {
+    low.pictures.push_back("shot-" + std::to_string(i));
+    low.by_hand.push_back(0.1 * std::sin(0.3 * i));
+    low.thesis.push_back(i == 7 ? kNaN : 0.1 * std::sin(0.3 * i) + 0.05);
+    low.filtered.push_back(0.1 * std::sin(0.3 * i) - 0.01);
+  }
+  return {low, high};
 }
 
 struct Case {
@@ -67,6 +96,8 @@ std::vector<Case> all_figures() {
       {"residual_map", [=](const auto& o) { return residual_map(calibration, o); }},
       {"birds_eye_shot-1003",
        [=](const auto& o) { return birds_eye(samples::from_above(), "shot-1003", o); }},
+      {"following_over_time", [](const auto& o) { return following_over_time(following_curves(), o); }},
+      {"deviation_by_hand", [](const auto& o) { return deviation_by_hand(flights_by_hand(), o); }},
       {"following_shot-1003",
        [=](const auto& o) {
          return following_overlay(field.picture, {38.0, 22.0}, "shot-1003", o);
@@ -323,6 +354,25 @@ TEST(NoRenderer, SaysWhatToInstall) {
       "__EGL_VENDOR_LIBRARY_DIRS=/nonexistent '" + std::filesystem::read_symlink("/proc/self/exe").string() +
       "' --gtest_also_run_disabled_tests --gtest_filter=NoRenderer.DISABLED_Child > /dev/null 2>&1";
   EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+TEST(Following, NoPictureNoFigure) {
+  EXPECT_EQ(following_over_time({}).error().code, "nothing_to_draw");
+  EXPECT_EQ(deviation_by_hand({}).error().code, "nothing_to_draw");
+}
+
+TEST(Following, ThePictureOfTheVideoShowsMiddleAndRow) {
+  const auto field = samples::field(640, 360, 45.0);
+  follow::FollowerOptions in_px;
+  in_px.is_metric = false;
+  const auto following = follow::follow_step({}, follow::sighting_of(field.lines, 0), in_px);
+  const Image shown = following_picture(field.picture, field.lines, following, in_px);
+  ASSERT_EQ(shown.width, 640);
+  // Green in the middle at the foot of the picture, where no row's line runs.
+  const auto* middle = shown.at(320, 300);
+  EXPECT_GT(middle[1], middle[0] + 80);
+  const Image empty_view = following_picture(field.picture, {}, {}, {});
+  EXPECT_EQ(empty_view.data.size(), field.picture.data.size());
 }
 
 }  // namespace

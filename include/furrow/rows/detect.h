@@ -45,6 +45,9 @@ struct DetectOptions {
   double least_score = 0.06;
   /// Step between the samples of a row, px of the picture; 10 at most.
   double sample_step_px = 10.0;
+  /// Pixels of the reduced picture in which rows get their own edges. Fewer are faster, and edges coarser: their
+  /// sigma is at least a quarter of such a pixel.
+  double shape_pixels = 1280.0 * 720.0;
 };
 
 /// Finds the rows of a picture. Never fails: a picture without rows has a status that says so.

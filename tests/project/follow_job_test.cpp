@@ -1,0 +1,230 @@
+#include "furrow/project/follow_job.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <thread>
+
+#include "furrow/base/file.h"
+
+namespace furrow::project {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Upright green rows on soil, `spacing` px apart, one of them at `u`.
+Image rows_picture(double u, double spacing = 80.0, int width = 320, int height = 180) {
+  Image picture = image::make_image(width, height, 3);
+  for (int v = 0; v < height; ++v) {
+    for (int x = 0; x < width; ++x) {
+      const double from_row = std::abs(std::remainder(x - u, spacing));
+      const int grain = (x * 7 + v * 13) % 11;
+      const bool is_leaf = from_row < 0.2 * spacing;
+      const auto pixel = picture.at(x, v);
+      pixel[0] = static_cast<std::uint8_t>((is_leaf ? 50 : 130) + grain);
+      pixel[1] = static_cast<std::uint8_t>((is_leaf ? 130 : 110) + grain);
+      pixel[2] = static_cast<std::uint8_t>((is_leaf ? 40 : 85) + grain);
+    }
+  }
+  return picture;
+}
+
+/// A source that a test makes up, picture by picture.
+class MadeUp final : public image::PictureSource {
+ public:
+  using Maker = std::function<std::optional<Image>(std::int64_t)>;
+  MadeUp(image::SourceKind kind, std::int64_t count, Maker maker) : maker_(std::move(maker)) {
+    info_ = {kind, "made up", 30.0, count};
+  }
+  const image::SourceInfo& info() const override { return info_; }
+  std::optional<image::TimedPicture> next() override {
+    if (at_ >= info_.count) return std::nullopt;
+    image::TimedPicture picture;
+    picture.index = at_++;
+    picture.name = "picture " + std::to_string(at_);
+    picture.t_video_ns = base::seconds_to_ns(static_cast<double>(picture.index) / 30.0);
+    auto made = maker_(picture.index);
+    if (made) {
+      picture.picture = std::move(*made);
+    } else {
+      picture.error = Error{"picture_unreadable", picture.name, "made unreadable", "", ""};
+    }
+    return picture;
+  }
+  std::vector<std::string> trouble() const override { return {}; }
+  bool failed() const override { return info_.kind == image::SourceKind::live; }
+
+ private:
+  image::SourceInfo info_;
+  Maker maker_;
+  std::int64_t at_ = 0;
+};
+
+std::unique_ptr<image::PictureSource> recorded(std::int64_t count, MadeUp::Maker maker) {
+  return std::make_unique<MadeUp>(image::SourceKind::video, count, std::move(maker));
+}
+
+/// The job in pixels, with its lines.
+struct Followed {
+  FollowOutcome outcome;
+  std::vector<FollowedPicture> pictures;
+  std::string lines;
+};
+
+Followed run(std::unique_ptr<image::PictureSource> source, FollowJobOptions options = {}) {
+  Followed result;
+  options.follower.is_metric = false;
+  options.on_picture = [&](const FollowedPicture& picture) {
+    result.pictures.push_back(picture);
+    result.lines += base::to_json(followed_value(picture, false), -1) + "\n";
+    return true;
+  };
+  auto outcome = follow_job(std::move(source), options);
+  EXPECT_TRUE(outcome.ok()) << outcome.error().message();
+  if (outcome.ok()) result.outcome = std::move(*outcome);
+  return result;
+}
+
+TEST(FollowJob, TheRowIsFollowedToSubPixels) {
+  const Followed result =
+      run(recorded(24, [](std::int64_t i) { return rows_picture(150.0 + 0.5 * static_cast<double>(i)); }));
+  ASSERT_EQ(result.pictures.size(), 24U);
+  EXPECT_EQ(result.outcome.held, 0);
+  for (std::size_t i = 0; i < 24; ++i) {
+    const auto& f = result.pictures[i].following;
+    ASSERT_TRUE(f.thesis.deviation_px.has_value()) << i;
+    EXPECT_NEAR(*f.thesis.deviation_px, 150.0 + 0.5 * static_cast<double>(i) - 159.5, 1.0) << i;
+  }
+}
+
+TEST(FollowJob, LinesDoNotDependOnThreads) {
+  const auto lines = [](int threads) {
+    FollowJobOptions options;
+    options.threads = threads;
+    return run(recorded(17,
+                        [](std::int64_t i) { return rows_picture(150.0 + 3.0 * static_cast<double>(i)); }),
+               options)
+        .lines;
+  };
+  const std::string one = lines(1);
+  EXPECT_EQ(one, lines(2));
+  EXPECT_EQ(one, lines(5));
+}
+
+TEST(FollowJob, WithNothingSeenItHolds) {
+  const Followed result = run(recorded(6, [](std::int64_t) { return image::make_image(320, 180, 3); }));
+  ASSERT_EQ(result.pictures.size(), 6U);
+  EXPECT_EQ(result.outcome.held, 6);
+  for (const auto& picture : result.pictures) {
+    EXPECT_TRUE(picture.following.is_hold);
+    EXPECT_FALSE(picture.following.offset.has_value());
+    EXPECT_FALSE(picture.following.hold_reason.empty());
+  }
+  // Not one number but picture counts, times and the zeros of standing still.
+  EXPECT_EQ(result.lines.find("\"offset_px\":0"), std::string::npos);
+  EXPECT_NE(result.lines.find("\"offset_px\":null"), std::string::npos);
+}
+
+TEST(FollowJob, UnreadablePicturesAndOtherSizesDoNotEndIt) {
+  const Followed result = run(recorded(20, [](std::int64_t i) -> std::optional<Image> {
+    if (i == 6) return std::nullopt;
+    if (i == 12) return rows_picture(40.0, 40.0, 160, 90);
+    if (i == 13) return image::make_image(1, 1, 3);
+    return rows_picture(150.0);
+  }));
+  ASSERT_EQ(result.pictures.size(), 20U);
+  EXPECT_EQ(result.pictures[6].following.sighting.status, "picture_unreadable");
+  EXPECT_NE(result.pictures[13].following.sighting.status, "ok");
+  EXPECT_EQ(result.pictures[19].following.sighting.status, "ok");
+  EXPECT_FALSE(result.pictures[19].following.is_hold);
+}
+
+TEST(FollowJob, AnUnpluggedCameraEndsItWithAReason) {
+  const auto started = std::chrono::steady_clock::now();
+  FollowJobOptions options;
+  options.silence_s = 0.3;
+  auto silent = std::make_unique<MadeUp>(image::SourceKind::live, 1000, [](std::int64_t i) {
+    if (i == 3)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // a driver that does not come back
+    return rows_picture(150.0);
+  });
+  const Followed result = run(std::move(silent), options);
+  EXPECT_TRUE(result.outcome.source_failed);
+  ASSERT_EQ(result.outcome.notes.size(), 1U);
+  EXPECT_NE(result.outcome.notes[0].find("nothing for 0.3 s"), std::string::npos);
+  EXPECT_LT(std::chrono::steady_clock::now() - started, std::chrono::milliseconds(1400));
+  std::this_thread::sleep_for(
+      std::chrono::milliseconds(1500));  // the driver's thread ends before the test does
+}
+
+TEST(FollowJob, LivePicturesThatComeTooFastAreSkipped) {
+  const Followed result = run(std::make_unique<MadeUp>(
+      image::SourceKind::live, 120, [](std::int64_t) { return rows_picture(150.0, 80.0, 640, 360); }));
+  EXPECT_GT(result.outcome.skipped, 0);
+  EXPECT_EQ(result.outcome.skipped + result.outcome.pictures, 120);
+  EXPECT_TRUE(std::is_sorted(result.pictures.begin(), result.pictures.end(),
+                             [](const auto& a, const auto& b) { return a.index < b.index; }));
+}
+
+TEST(FollowJob, StopsWhenAsked) {
+  std::atomic<bool> stop{false};
+  FollowJobOptions options;
+  options.stop = &stop;
+  options.follower.is_metric = false;
+  std::int64_t seen = 0;
+  options.on_picture = [&](const FollowedPicture&) {
+    stop = ++seen >= 5;
+    return true;
+  };
+  const auto outcome =
+      follow_job(recorded(100000, [](std::int64_t) { return rows_picture(150.0); }), options);
+  ASSERT_TRUE(outcome.ok());
+  EXPECT_LT(outcome->pictures, 50);
+}
+
+TEST(FollowJob, ReadingsByHandAreJoinedByNameAndNumber) {
+  const fs::path folder = fs::path(::testing::TempDir()) / "furrow_by_hand";
+  fs::remove_all(folder);
+  ASSERT_TRUE(base::write_file(folder / "hand.csv",
+                               "picture,deviation_px,flight\npicture 2,-9,a\n3,-9.5,a\n4,-11,b\n77,0,b\n")
+                  .ok());
+  FollowJobOptions options;
+  options.by_hand = folder / "hand.csv";
+  const Followed result = run(recorded(6, [](std::int64_t) { return rows_picture(150.0); }), options);
+  // The row lies at -9.5 px: errors of about -0.5 and 0 in flight a, 1.5 in flight b.
+  const auto& table = result.outcome.by_hand;
+  ASSERT_EQ(table.rows.size(), 6U);
+  EXPECT_EQ(table.columns[4], "mean_error_px");
+  const auto error = [&](std::size_t row) { return std::stod(table.rows[row][4]); };
+  EXPECT_EQ(table.rows[0][0], "a");
+  EXPECT_EQ(table.rows[0][2], "2");
+  EXPECT_NEAR(error(0), -0.25, 0.6);
+  EXPECT_NEAR(error(2), 1.5, 0.6);
+  EXPECT_EQ(table.rows[4][0], "total");
+  EXPECT_EQ(table.rows[4][2], "3");
+  ASSERT_EQ(result.outcome.notes.size(), 1U);
+  EXPECT_NE(result.outcome.notes[0].find("1 pictures read by hand"), std::string::npos);
+}
+
+TEST(FollowJob, BadReadingsByHandAreNamed) {
+  const fs::path folder = fs::path(::testing::TempDir()) / "furrow_by_hand_bad";
+  fs::remove_all(folder);
+  const std::pair<const char*, const char*> cases[] = {{"a,b\n1,2\n", "missing_column"},
+                                                       {"picture,depth\n1,2\n", "missing_column"},
+                                                       {"picture,deviation_m\n1,x\n", "bad_value"},
+                                                       {"picture,deviation_m\n", "bad_value"},
+                                                       {"", "csv_empty"}};
+  for (const auto& [text, code] : cases) {
+    ASSERT_TRUE(base::write_file(folder / "hand.csv", text).ok());
+    FollowJobOptions options;
+    options.by_hand = folder / "hand.csv";
+    const auto outcome = follow_job(recorded(2, [](std::int64_t) { return rows_picture(150.0); }), options);
+    ASSERT_FALSE(outcome.ok()) << text;
+    EXPECT_EQ(outcome.error().code, code) << text;
+  }
+}
+
+}  // namespace
+}  // namespace furrow::project
