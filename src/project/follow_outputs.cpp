@@ -135,7 +135,7 @@ Result<FollowFiles> FollowFiles::create(const FollowJobOptions& options, double 
 
 void FollowFiles::keep_for_figure(const follow::Following& f) {
   // A figure shows no more; an hour's pictures are thinned evenly as they come.
-  constexpr std::size_t kMostPoints = 6000;
+  constexpr std::size_t kMostPoints = 2000;
   if (since_kept_++ % keep_every_ != 0) return;
   const double filtered = f.offset ? f.offset->value : kNaN, sigma = f.offset ? f.offset->sigma : kNaN;
   const std::optional<double> steer = curves_.is_metric ? f.steer_cm : f.thesis.steer_px;
