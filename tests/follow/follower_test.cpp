@@ -101,6 +101,7 @@ TEST(Follower, OneStrangePictureDoesNotLoseTheRow) {
   for (int i = 0; i < 20; ++i) f = follow_step(f, seen_from(0.2, 0.1 * i), {});
   Sighting strange = seen_from(0.2, 2.0);
   strange.place.spacing_px *= 2.0;
+  strange.offset.value += 0.5 * kSpacing;
   f = follow_step(f, strange, {});
   EXPECT_EQ(f.event, RowEvent::none);
   f = follow_step(f, seen_from(0.2, 2.1), {});

@@ -66,6 +66,16 @@ TEST(TrackFilter, SigmaGrowsOverMissedPicturesThenHold) {
   EXPECT_FALSE(filtered_value(filtered, options).has_value());
 }
 
+// By hand: 0.05² + 0.5² x 0.4² + 1² x 0.4³ / 3 for the value, 0.5² + 1² x 0.4 for its rate (eq. 1).
+TEST(TrackFilter, PredictionByHand) {
+  const FilterOptions options = plain();
+  const Filtered later =
+      filter_step(filter_step({}, 0, {0.2, 0.05, 1}, options), seconds_to_ns(0.4), {}, options);
+  EXPECT_NEAR(later.covariance(0, 0), 0.0025 + 0.04 + 0.064 / 3.0, 1e-12);
+  EXPECT_NEAR(later.covariance(1, 1), 0.25 + 0.4, 1e-12);
+  EXPECT_NEAR(later.covariance(0, 1), 0.25 * 0.4 + 0.16 / 2.0, 1e-12);
+}
+
 TEST(TrackFilter, AnOutlierIsLeftOutAndASteadyNewPlaceIsTaken) {
   const FilterOptions options = plain();
   Filtered filtered;
