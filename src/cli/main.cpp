@@ -22,6 +22,7 @@ int run(int argc, char** argv) {
   furrow::cli::add_follow(app, action);
   furrow::cli::add_run(app, action);
   furrow::cli::add_target(app, action);
+  furrow::cli::add_altitude(app, action);
   furrow::cli::add_version(app, action);
   try {
     app.parse(argc, argv);

@@ -83,4 +83,20 @@ Result<CalibrateOutcome> calibrate_job(const std::vector<std::filesystem::path>&
   return outcome;
 }
 
+Result<ProjectCamera> camera_of(const Project& project, const JobOptions& job) {
+  ProjectCamera result;
+  if (project.board_images.empty()) {
+    FURROW_TRY(result.camera, camera::read_camera(project.camera_model));
+    return result;
+  }
+  calib::CalibrateOptions options;
+  options.model = project.calibrate_model;
+  options.solve_aspect = project.calibrate_aspect;
+  FURROW_TRY(result.calibration,
+             calibrate_from_pictures(project.board_images, {project.board_file}, options, job));
+  // What the halves of the views deny is not handed on as certain.
+  result.camera = calib::widened_camera(result.calibration->calibration, result.calibration->verdict);
+  return result;
+}
+
 }  // namespace furrow::project

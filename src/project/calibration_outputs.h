@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "furrow/calib/calibrate.h"
@@ -23,5 +24,14 @@ Result<JudgedCalibration> calibrate_from_pictures(const std::vector<std::filesys
 
 /// camera.cameramodel, camera.yaml, calibration.json and verdict.json into `out`.
 Status write_calibration(const std::filesystem::path& out, const JudgedCalibration& judged);
+
+/// The camera of a project and, when it was calibrated for it, the calibration.
+struct ProjectCamera {
+  Camera camera;
+  std::optional<JudgedCalibration> calibration;
+};
+
+/// Reads the project's camera file, or calibrates from its pictures of a board. Errors: those of both.
+Result<ProjectCamera> camera_of(const Project& project, const JobOptions& job);
 
 }  // namespace furrow::project

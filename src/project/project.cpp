@@ -119,7 +119,7 @@ Estimate read_length(Fields& fields, const std::string& stem, double default_sha
   return {value, std::isnan(sigma) ? default_share * value : sigma, 1};
 }
 
-Status read_rows(const Value& value, const std::string& file, Project& project) {
+Status read_rows(const Value& value, const std::string& file, const fs::path& folder, Project& project) {
   Fields fields(value, file, "rows");
   project.field.row_spacing_m = read_length(fields, "spacing", kDefaultSpacingSigmaShare);
   project.field.half_width_m = read_length(fields, "half_width", kDefaultHalfWidthSigmaShare);
@@ -129,7 +129,12 @@ Status read_rows(const Value& value, const std::string& file, Project& project) 
   fields.optional("method", method);
   fields.require(method == "field" || method == "thesis", "method", "'" + method + "'", "field or thesis");
   project.rows_method = method == "thesis" ? rows::Method::thesis : rows::Method::field;
-  return fields.finish();
+  std::string hand_widths;
+  fields.optional("hand_widths", hand_widths);
+  FURROW_DO(fields.finish());
+  if (hand_widths.empty()) return Done{};
+  FURROW_TRY(project.hand_widths, resolve(hand_widths, folder));
+  return Done{};
 }
 
 }  // namespace
@@ -157,7 +162,7 @@ Result<Project> read_project(const fs::path& file) {
   FURROW_DO(shot_fields.finish());
   FURROW_TRY(project.images, resolve_images(patterns, folder));
   if (telemetry != nullptr) FURROW_DO(read_telemetry(*telemetry, name, folder, project));
-  if (rows != nullptr) FURROW_DO(read_rows(*rows, name, project));
+  if (rows != nullptr) FURROW_DO(read_rows(*rows, name, folder, project));
   return project;
 }
 

@@ -20,6 +20,7 @@
 #include "furrow/report/page.h"
 #include "project/calibration_outputs.h"
 #include "project/fusion.h"
+#include "project/hand_widths.h"
 #include "project/manifest.h"
 #include "project/pages.h"
 #include "project/shot_chain.h"
@@ -31,28 +32,6 @@ namespace fs = std::filesystem;
 
 /// Overlays in the report: enough to judge the detection over the flight, few enough to read.
 constexpr std::size_t kReportOverlays = 4;
-
-/// The camera of a run and, when it was calibrated here, the calibration.
-struct RunCamera {
-  Camera camera;
-  std::optional<JudgedCalibration> calibration;
-};
-
-Result<RunCamera> prepare_camera(const Project& project, const JobOptions& job) {
-  RunCamera result;
-  if (project.board_images.empty()) {
-    FURROW_TRY(result.camera, camera::read_camera(project.camera_model));
-    return result;
-  }
-  calib::CalibrateOptions options;
-  options.model = project.calibrate_model;
-  options.solve_aspect = project.calibrate_aspect;
-  FURROW_TRY(result.calibration,
-             calibrate_from_pictures(project.board_images, {project.board_file}, options, job));
-  // What the halves of the views deny is not handed on as certain.
-  result.camera = calib::widened_camera(result.calibration->calibration, result.calibration->verdict);
-  return result;
-}
 
 /// Shots in the project's order. An unreadable picture stays in, so that the i-th picture keeps its place
 /// among the log's marks.
@@ -88,6 +67,17 @@ std::vector<ShotResult> process_shots(const std::vector<telemetry::Shot>& shots,
     base::report(job.progress, "measuring shots", ++done, shots.size());
   });
   return results;
+}
+
+/// Heights by the thesis's formula with the half widths that a person measured.
+void add_hand_heights(std::vector<ShotResult>& results, const std::map<std::string, double>& widths,
+                      const Project& project) {
+  for (ShotResult& result : results) {
+    const auto found = widths.find(result.record.shot_id);
+    if (found == widths.end() || !result.camera) continue;
+    result.record.above_canopy_thesis_hand_m =
+        thesis_height(found->second, *result.camera, project.field, result.prior);
+  }
 }
 
 /// The size that most shots with rows have: a flight is refined with one camera.
@@ -186,7 +176,7 @@ Status draw_heights(RunContent& content) {
   return keep(content.fusion_figures, figures::fusion_over_shots(records, *content.fusion));
 }
 
-std::vector<std::string> camera_words(const RunCamera& camera, const std::vector<ShotResult>& results) {
+std::vector<std::string> camera_words(const ProjectCamera& camera, const std::vector<ShotResult>& results) {
   std::vector<std::string> words;
   if (!camera.camera.provenance.empty()) words.push_back("Source: " + camera.camera.provenance + ".");
   std::vector<std::string> seen;
@@ -242,6 +232,7 @@ base::Value inputs_value(const Project& project) {
   if (!project.board_file.empty()) files.push_back(project.board_file);
   files.insert(files.end(), project.board_images.begin(), project.board_images.end());
   if (project.telemetry) files.push_back(*project.telemetry);
+  if (project.hand_widths) files.push_back(*project.hand_widths);
   files.insert(files.end(), project.images.begin(), project.images.end());
   return hash_inputs(files);
 }
@@ -261,7 +252,7 @@ std::vector<VisionHeight> vision_heights(const std::vector<ShotResult>& results,
 
 /// Every measured table and picture of a run, ready to be written.
 struct RunTables {
-  RunCamera camera;
+  ProjectCamera camera;
   std::vector<telemetry::Shot> shots;
   std::optional<telemetry::Track> track;
   sync::Located located;
@@ -275,10 +266,15 @@ Result<RunTables> measure_flight(const Project& project, const JobOptions& job) 
   if (project.telemetry) {  // first: a log that cannot be read should not cost a calibration
     FURROW_TRY(tables.track, telemetry::read_track(*project.telemetry));
   }
-  FURROW_TRY(tables.camera, prepare_camera(project, job));
+  std::map<std::string, double> hand_widths;
+  if (project.hand_widths) {
+    FURROW_TRY(hand_widths, read_hand_widths(*project.hand_widths));
+  }
+  FURROW_TRY(tables.camera, camera_of(project, job));
   tables.shots = read_shots(project, job);
   FURROW_TRY(tables.located, sync::locate_shots(tables.shots, tables.track));
   tables.results = process_shots(tables.shots, tables.located, tables.camera.camera, project, job);
+  add_hand_heights(tables.results, hand_widths, project);
   tables.flight = refine_flight(tables.results, project, LogSteps::used, job);
   tables.fusion = fuse_flight(tables.located, vision_heights(tables.results, project, job), project.field);
   return tables;

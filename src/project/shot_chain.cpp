@@ -46,20 +46,13 @@ altitude::AttitudePrior prior_of(const telemetry::Sample& state, const Project& 
 }
 
 /// The thesis's formula with the half width found at the picture's middle row.
-Estimate thesis_height(const rows::RowLines& lines, const Camera& camera,
-                       const altitude::FieldKnowledge& field, const altitude::AttitudePrior& prior) {
+Estimate automatic_thesis_height(const rows::RowLines& lines, const Camera& camera,
+                                 const altitude::FieldKnowledge& field,
+                                 const altitude::AttitudePrior& prior) {
   for (const rows::RowLine& row : lines.rows) {
-    if (row.index != 0 || !row.half_width_px || !field.half_width_m.usable() || !prior.pitch_rad.usable())
-      continue;
-    const auto slant =
-        altitude::thesis_slant_distance_m(field.half_width_m.value, camera.fx, row.half_width_px->value);
-    if (!slant.ok()) continue;
-    const auto height = altitude::thesis_height_above_canopy_m(*slant, prior.pitch_rad.value);
-    if (!height.ok()) continue;
-    Estimate estimate;  // the thesis gives no sigma
-    estimate.value = *height;
-    estimate.observations = 1;
-    return estimate;
+    if (row.index != 0 || !row.half_width_px) continue;
+    const Estimate height = thesis_height(row.half_width_px->value, camera, field, prior);
+    if (std::isfinite(height.value)) return height;
   }
   return {};
 }
@@ -88,7 +81,7 @@ void measure(ShotResult& result, const Camera& camera, const Project& project) {
     record.reason = result.lines.reason;
     return;
   }
-  record.above_canopy_thesis_m = thesis_height(result.lines, camera, project.field, result.prior);
+  record.above_canopy_thesis_m = automatic_thesis_height(result.lines, camera, project.field, result.prior);
   const auto directions = altitude::rows_on_unit_plane(result.lines, camera);
   if (directions.ok()) {
     const auto closed = altitude::from_spacing(*directions, project.field, result.prior);
@@ -106,6 +99,19 @@ void measure(ShotResult& result, const Camera& camera, const Project& project) {
 }
 
 }  // namespace
+
+Estimate thesis_height(double half_width_px, const Camera& camera, const altitude::FieldKnowledge& field,
+                       const altitude::AttitudePrior& prior) {
+  if (!field.half_width_m.usable() || !prior.pitch_rad.usable()) return {};
+  const auto slant = altitude::thesis_slant_distance_m(field.half_width_m.value, camera.fx, half_width_px);
+  if (!slant.ok()) return {};
+  const auto height = altitude::thesis_height_above_canopy_m(*slant, prior.pitch_rad.value);
+  if (!height.ok()) return {};
+  Estimate estimate;
+  estimate.value = *height;
+  estimate.observations = 1;
+  return estimate;
+}
 
 rows::Priors horizon_of(const altitude::AttitudePrior& prior, const Camera& camera) {
   rows::Priors priors;

@@ -34,6 +34,11 @@ ShotResult process_shot(const telemetry::Shot& shot, const sync::ShotPose& pose,
 /// no lens model holds. Nothing near nadir or without a pitch.
 rows::Priors horizon_of(const altitude::AttitudePrior& prior, const Camera& camera);
 
+/// The thesis's height above the canopy from a half width at the picture's middle row, px; without a sigma,
+/// as the thesis gives none. Unusable without the row's half width in metres and the gimbal's pitch.
+Estimate thesis_height(double half_width_px, const Camera& camera, const altitude::FieldKnowledge& field,
+                       const altitude::AttitudePrior& prior);
+
 /// The record with a refinement's height, attitude and offset in it.
 audit::ShotRecord with_refined(audit::ShotRecord record, const altitude::RefinedShot& refined);
 

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
+#include <map>
 #include <set>
 #include <tuple>
 
@@ -10,6 +12,8 @@
 #include "furrow/base/text.h"
 #include "furrow/base/value.h"
 #include "furrow/project/jobs.h"
+#include "project/hand_widths.h"
+#include "project/shot_chain.h"
 
 namespace furrow::project {
 namespace {
@@ -54,6 +58,36 @@ TEST_F(ProjectTest, ReadsTheSmallestForm) {
   EXPECT_EQ(project->field.row_spacing_m.sigma, 0.03);
   EXPECT_EQ(project->field.half_width_m.sigma, 0.60 * kDefaultHalfWidthSigmaShare);
   EXPECT_FALSE(project->field.foliage_depth_m.usable());
+}
+
+TEST_F(ProjectTest, ReadsHalfWidthsMeasuredByHand) {
+  const auto read_widths = [&](const std::string& csv) {
+    EXPECT_TRUE(base::write_file(folder_ / "widths.csv", csv).ok());
+    return read_hand_widths(folder_ / "widths.csv");
+  };
+  const auto widths = read_widths("shot_id,half_width_px\na2,40\na10,\n");
+  ASSERT_TRUE(widths.ok()) << widths.error().message();
+  EXPECT_EQ(*widths, (std::map<std::string, double>{{"a2", 40.0}}));
+  EXPECT_EQ(read_widths("shot,px\na,1\n").error().code, "missing_column");
+  EXPECT_EQ(read_widths("shot_id,half_width_px\na2,40\na10,wide\n").error().message(),
+            "widths.csv:3: half_width_px is 'wide'; wanted pixels above 0, or an empty cell.");
+  // Any cut of the file is an answer or an error.
+  const std::string whole = "shot_id,half_width_px\na2,40\n\"a,10\",12.5\n";
+  for (std::size_t n = 0; n < whole.size(); ++n) {
+    const auto cut = read_widths(whole.substr(0, n));
+    EXPECT_TRUE(cut.ok() ? cut->size() <= 2U : !cut.error().code.empty()) << n;
+  }
+}
+
+// f 873.35, dm 0.60, pix 95, 13.8 deg: the thesis's worked example (section 5).
+TEST(ThesisHeight, IsTheWorkedExampleWithAWidthByHand) {
+  Camera camera;
+  camera.fx = 873.35;
+  altitude::FieldKnowledge field;
+  field.half_width_m = {0.60, 0.05, 1};
+  const altitude::AttitudePrior prior{{-13.8 * 3.14159265358979 / 180.0, 0.01, 1}, {}};
+  EXPECT_NEAR(thesis_height(95.0, camera, field, prior).value, 1.31, 0.01);
+  EXPECT_FALSE(std::isfinite(thesis_height(95.0, camera, {}, prior).value));
 }
 
 TEST_F(ProjectTest, RefusesUnknownKeysWithTheNearestNameAndTheLine) {

@@ -37,6 +37,8 @@ struct Project {
 
   rows::Method rows_method = rows::Method::field;
   altitude::FieldKnowledge field;
+  /// CSV of half widths in the picture that a person measured, for the thesis's formula.
+  std::optional<std::filesystem::path> hand_widths;
 };
 
 /// Reads and checks a project file. `${NAME}` in a path is an environment variable; FURROW_DATA defaults to
