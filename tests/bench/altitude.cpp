@@ -115,11 +115,22 @@ void time_flight(const std::vector<altitude::ShotInput>& shots, const Camera& ca
               flight.ok() ? flight->termination.c_str() : flight.error().message().c_str());
 }
 
-void generated(const Condition& c, int count) {
-  base::Random random(20240618);
-  const Camera camera = altitude::testing::thesis_camera();
+/// What the farm writes down: spacing to 1 %, half width to 10 %, each off by a draw of its sigma.
+altitude::FieldKnowledge drawn_farm(const altitude::testing::World& world, base::Random& random) {
+  altitude::FieldKnowledge field = farm(world.spacing_m, world.half_width_m, 1.7);
+  for (Estimate* number : {&field.row_spacing_m, &field.half_width_m})
+    number->value += random.normal(0.0, number->sigma);
+  return field;
+}
+
+/// One flight's shots and their truths.
+struct Generated {
   std::vector<altitude::ShotInput> shots;
   std::vector<Truth> truths;
+};
+
+Generated generate(const Condition& c, int count, const Camera& camera, base::Random& random) {
+  Generated flight;
   for (int i = 0; i < count; ++i) {
     altitude::testing::World world;
     world.height_above_canopy_m = random.uniform(c.low_m, c.high_m);
@@ -135,13 +146,70 @@ void generated(const Condition& c, int count) {
     shot.shot_id = std::to_string(i);
     shot.lines = altitude::testing::picture_of(world, camera, noise, random.bits());
     shot.attitude = biased_prior(world.attitude.pitch_rad, random);
-    shots.push_back(shot);
-    truths.push_back({world.height_above_canopy_m, world.cross_track_m, world.attitude.pitch_rad});
+    flight.shots.push_back(shot);
+    flight.truths.push_back({world.height_above_canopy_m, world.cross_track_m, world.attitude.pitch_rad});
   }
-  run(c.name, shots, truths, camera, farm(3.0, 0.6, 1.7));
+  return flight;
+}
+
+/// The table's quantities over many flights of one condition.
+struct Table {
+  int shots = 0, answered = 0, inside_1 = 0, inside_2 = 0, flights = 0;
+  double height2 = 0.0, cross2 = 0.0, bias2 = 0.0;
+  std::clock_t time = 0;
+
+  /// `spacing_share` is known over true spacing: its error is taken out of the height's, not of the coverage.
+  void add(const altitude::RefinedFlight& flight, const std::vector<Truth>& truths, double spacing_m,
+           double spacing_share) {
+    ++flights;
+    bias2 += std::pow(rad_to_deg(flight.pitch_bias_rad.value) - 0.7, 2);
+    for (std::size_t i = 0; i < truths.size(); ++i) {
+      ++shots;
+      const altitude::RefinedShot& shot = flight.shots[i];
+      if (!shot.usable) continue;
+      ++answered;
+      const Estimate& height = shot.height_above_canopy_m;
+      const double error = std::abs(height.value - truths[i].height_m);
+      inside_1 += error < height.sigma, inside_2 += error < 2.0 * height.sigma;
+      height2 += std::pow(height.value / spacing_share / truths[i].height_m - 1.0, 2);
+      cross2 += std::pow(std::remainder(shot.cross_track_m.value - truths[i].cross_track_m, spacing_m), 2);
+    }
+  }
+
+  void print(const char* name) const {
+    const double n = std::max(1, answered), f = std::max(1, flights);
+    std::printf("%-30s %5d  %5.1f %%  %6.2f %%  %6.3f deg  %6.3f m  %4.1f %% %5.1f %%  %6.2f ms\n", name,
+                shots, 100.0 * answered / std::max(1, shots), 100.0 * std::sqrt(height2 / n),
+                std::sqrt(bias2 / f), std::sqrt(cross2 / n), 100.0 * inside_1 / n, 100.0 * inside_2 / n,
+                1e3 * static_cast<double>(time) / CLOCKS_PER_SEC / std::max(1, shots));
+  }
+};
+
+void generated(const Condition& c, int flights) {
+  constexpr int kShotsPerFlight = 12;
+  base::Random random(20240618);
+  const Camera camera = altitude::testing::thesis_camera();
+  altitude::FlightOptions options;
+  options.threads = 1;
+  Table table;
+  Generated last;
+  for (int i = 0; i < flights; ++i) {
+    const altitude::testing::World world;
+    const altitude::FieldKnowledge field = drawn_farm(world, random);
+    last = generate(c, kShotsPerFlight, camera, random);
+    const std::clock_t start = std::clock();
+    const auto flight = altitude::refine_flight(last.shots, camera, field, options);
+    table.time += std::clock() - start;
+    if (!flight.ok()) {
+      table.shots += kShotsPerFlight;
+      continue;
+    }
+    table.add(*flight, last.truths, world.spacing_m, field.row_spacing_m.value / world.spacing_m);
+  }
+  table.print(c.name);
   if (c.timed) {
     for (const std::size_t long_flight : {std::size_t{1000}, std::size_t{10000}})
-      time_flight(shots, camera, long_flight);
+      time_flight(last.shots, camera, long_flight);
   }
 }
 
@@ -185,15 +253,20 @@ int simulated(const std::filesystem::path& folder) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  header(
-      "generated rows: 2 px edges correlated 0.7, 3 cm plants, edges against soil only, pitch log +0.7 deg");
+  constexpr int kFlights = 84;  // of 12 shots: 1,008 a condition
+  std::printf(
+      "generated rows in flights of 12: 2 px edges correlated 0.7, 3 cm plants, edges against soil only, "
+      "pitch\n"
+      "log +0.7 deg, spacing known to 1 %%; height without the spacing's own error, coverage with it\n"
+      "%-30s shots  answer  height    pitch bias  cross     1 s    2 s     a shot\n",
+      "");
   for (const Condition& c :
        {Condition{"3 m above ground, -12.4 deg", 1.1, 1.5, -12.4},
         Condition{"4 m above ground, -13.8 deg", 2.1, 2.5, -13.8},
         Condition{"5 m above ground, -13.8 deg", 3.1, 3.5, -13.8, true},
         Condition{"3 to 6 m, -20 deg", 1.3, 4.3, -20.0}, Condition{"8 m, -45 deg", 6.0, 6.6, -45.0},
         Condition{"30 m, nadir", 27.5, 29.0, -90.0}}) {
-    generated(c, 100);
+    generated(c, kFlights);
   }
   int status = 0;
   if (argc > 1) header("rendered flights, rows found in the pictures");
