@@ -354,6 +354,7 @@ void fill_view(const Round& round, std::size_t i, View& view) {
   const target::BoardSpec board = board_of(round.model, round.solved.shared);
   const Eigen::Vector2d warp_m = warp_of(round.model, round.solved.shared);
   view.cam_from_board = pose_of(round.solved.poses[i]);
+  view.weight = round.views[i].weight;
   view.residual_px.clear();
   double squared = 0.0, distance = 0.0, n = 0.0;
   for (std::size_t c = 0; c < view.observed_px.size(); ++c) {

@@ -86,11 +86,16 @@ std::string to_json(const Calibration& calibration) {
   out.set("cx", camera.cx);
   out.set("cy", camera.cy);
   out.set("distortion", numbers(camera.distortion));
+  if (camera.model == camera::CameraModel::splined_stereographic) {
+    const camera::SplineGrid& grid = camera.spline;
+    out.set("spline", Array{grid.order, grid.columns, grid.rows, grid.fov_x_deg});
+  }
   const bool known = camera.covariance.size() > 0;
   out.set("sigma",
           known ? numbers(Eigen::VectorXd(camera.covariance.diagonal().cwiseMax(0.0).cwiseSqrt())) : Value());
   out.set("covariance", matrix(camera.covariance));
   out.set("provenance", camera.provenance);
+  if (!calibration.model_choice.empty()) out.set("model_choice", calibration.model_choice);
   out.set("rms_px", calibration.rms_px);
   out.set("mean_error_px", calibration.mean_error_px);
   out.set("sigma0_px", calibration.sigma0_px);

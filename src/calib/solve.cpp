@@ -1,6 +1,7 @@
 #include "calib/solve.h"
 
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include <cmath>
 #include <Eigen/Cholesky>
@@ -29,6 +30,15 @@ class ViewCost : public ceres::CostFunction {
   const SharedModel& model_;
   const SolveView& view_;
 };
+
+/// Ceres tells standard error of every step that it takes back; how a solve ended stands in its result.
+void keep_solver_quiet() {
+  static const bool quiet = [] {
+    FLAGS_minloglevel = google::GLOG_ERROR;
+    return true;
+  }();
+  (void)quiet;
+}
 
 ceres::Solver::Options solver_options(const SolveOptions& options) {
   ceres::Solver::Options out;
@@ -131,6 +141,7 @@ ceres::Problem::Options problem_options() {
 
 void run(const SolveOptions& options, ceres::Problem& problem, Solved& out,
          const std::vector<double*>& shared_blocks) {
+  keep_solver_quiet();
   auto* ordering = new ceres::ParameterBlockOrdering;
   for (PoseVector& pose : out.poses) ordering->AddElementToGroup(pose.data(), 0);
   for (double* block : shared_blocks) ordering->AddElementToGroup(block, 1);

@@ -3,11 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <Eigen/Eigenvalues>
+#include <limits>
 
 namespace furrow::calib {
 
-std::optional<Eigen::Matrix2d> projection_covariance(const Calibration& calibration,
-                                                     const Eigen::Vector2d& px, double distance_m) {
+namespace {
+
+using LensAndDrift = Eigen::Matrix<double, 2, Eigen::Dynamic>;
+
+/// Derivative of where a point projects by (intrinsics, turn, shift), for a point seen at `px` from
+/// `distance_m`.
+std::optional<LensAndDrift> by_lens_and_drift(const Calibration& calibration, const Eigen::Vector2d& px,
+                                              double distance_m) {
   const Camera& camera = calibration.camera;
   const Eigen::Index n = camera.covariance.rows();
   if (n == 0 || calibration.drift_covariance.rows() != n + 6 || !(distance_m > 0.0)) return std::nullopt;
@@ -17,7 +24,7 @@ std::optional<Eigen::Matrix2d> projection_covariance(const Calibration& calibrat
   const Eigen::Vector3d x = finite ? Eigen::Vector3d(*way * distance_m) : *way;
   const auto seen = camera::project_with_jacobians(camera, x);
   if (!seen) return std::nullopt;
-  Eigen::Matrix<double, 2, Eigen::Dynamic> by(2, n + 6);
+  LensAndDrift by(2, n + 6);
   by.leftCols(n) = seen->by_all_intrinsics(n);
   for (int i = 0; i < 3; ++i) by.col(n + i) = seen->d_point * Eigen::Vector3d::Unit(i).cross(x);
   // A direction does not move when the boards shift.
@@ -26,7 +33,61 @@ std::optional<Eigen::Matrix2d> projection_covariance(const Calibration& calibrat
   } else {
     by.rightCols<3>().setZero();
   }
-  return Eigen::Matrix2d(by * calibration.drift_covariance * by.transpose());
+  return by;
+}
+
+/// `at(px)` at the middle of every cell.
+template <class At>
+UncertaintyMap map_over(const Camera& camera, int columns, int rows, const At& at) {
+  check(columns > 0 && rows > 0, "uncertainty map: a grid needs cells");
+  UncertaintyMap out{columns, rows, {}};
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < columns; ++i) {
+      const Eigen::Vector2d px((i + 0.5) * camera.width / columns - 0.5,
+                               (j + 0.5) * camera.height / rows - 0.5);
+      out.values.push_back(at(px).value_or(std::numeric_limits<double>::quiet_NaN()));
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::optional<Eigen::Matrix2d> projection_covariance(const Calibration& calibration,
+                                                     const Eigen::Vector2d& px, double distance_m) {
+  const auto by = by_lens_and_drift(calibration, px, distance_m);
+  if (!by) return std::nullopt;
+  return Eigen::Matrix2d(*by * calibration.drift_covariance * by->transpose());
+}
+
+UncertaintyMap projection_sigma_map(const Calibration& calibration, double distance_m, int columns,
+                                    int rows) {
+  return map_over(calibration.camera, columns, rows, [&](const Eigen::Vector2d& px) {
+    return projection_sigma_px(calibration, px, distance_m);
+  });
+}
+
+std::optional<double> height_error_percent_at(const Calibration& calibration, const Eigen::Vector2d& px,
+                                              double distance_m) {
+  const Camera& camera = calibration.camera;
+  const Eigen::Vector2d middle(0.5 * (camera.width - 1), 0.5 * (camera.height - 1));
+  // Two pixels that coincide have no distance; this near the limit is reached.
+  const double nearest_px = 0.02 * camera.width;
+  Eigen::Vector2d way = px - middle;
+  if (way.norm() < nearest_px) way = Eigen::Vector2d(nearest_px, 0.0);
+  const auto here = by_lens_and_drift(calibration, middle + way, distance_m),
+             there = by_lens_and_drift(calibration, middle, distance_m);
+  if (!here || !there) return std::nullopt;
+  const Eigen::RowVectorXd by = way.normalized().transpose() * (*here - *there);
+  constexpr double kPercent = 100.0;
+  return kPercent * std::sqrt(std::max(0.0, (by * calibration.drift_covariance * by.transpose()).value())) /
+         way.norm();
+}
+
+UncertaintyMap height_error_map(const Calibration& calibration, double distance_m, int columns, int rows) {
+  return map_over(calibration.camera, columns, rows, [&](const Eigen::Vector2d& px) {
+    return height_error_percent_at(calibration, px, distance_m);
+  });
 }
 
 std::optional<double> projection_sigma_px(const Calibration& calibration, const Eigen::Vector2d& px,
@@ -38,12 +99,24 @@ std::optional<double> projection_sigma_px(const Calibration& calibration, const 
 }
 
 std::optional<double> height_error_percent(const Camera& camera) {
-  if (camera.covariance.rows() < 2) return std::nullopt;
+  const Eigen::Index n = camera.covariance.rows();
+  if (n < 2) return std::nullopt;
+  // The mean focal length on the axis by the intrinsics: 1/2 each by fx and fy, and a splined lens's knots
+  // around the axis, in which it is linear.
+  const double mean_px = camera::focal_on_axis_px(camera).mean();
+  Eigen::VectorXd by = Eigen::VectorXd::Zero(n);
+  by.head<2>().setConstant(0.5);
+  if (camera.model == camera::CameraModel::splined_stereographic) {
+    const auto at = camera::project_with_jacobians(camera, Eigen::Vector3d::UnitZ());
+    for (Eigen::Index i = 4; at && i < at->d_intrinsics.cols(); ++i) {
+      const int place = at->place[static_cast<std::size_t>(i)];
+      Camera moved = camera;
+      moved.distortion[static_cast<std::size_t>(place - 4)] += 1.0;
+      by[place] = camera::focal_on_axis_px(moved).mean() - mean_px;
+    }
+  }
   constexpr double kPercent = 100.0;
-  const double mean_px = 0.5 * (camera.fx + camera.fy);
-  const double variance =
-      0.25 * (camera.covariance(0, 0) + camera.covariance(1, 1) + 2.0 * camera.covariance(0, 1));
-  return kPercent * std::sqrt(std::max(0.0, variance)) / mean_px;
+  return kPercent * std::sqrt(std::max(0.0, by.dot(camera.covariance * by))) / mean_px;
 }
 
 }  // namespace furrow::calib

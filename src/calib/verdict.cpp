@@ -172,7 +172,7 @@ Criterion halves_criterion(const std::optional<Halves>& halves, const TrustLimit
     return {"halves", kNan, limits.halves_focal_percent, false,
             "too few good pictures to compare two halves of them"};
   }
-  const double a = 0.5 * (halves->a.fx + halves->a.fy), b = 0.5 * (halves->b.fx + halves->b.fy);
+  const double a = camera::focal_on_axis_px(halves->a).mean(), b = camera::focal_on_axis_px(halves->b).mean();
   const double percent = kPercent * std::abs(a - b) / (0.5 * (a + b));
   return at_most("halves", percent, limits.halves_focal_percent,
                  "two halves of the pictures differ by " + format_fixed(percent, 2) +
@@ -292,6 +292,7 @@ Verdict judge(const Calibration& calibration, const std::vector<target::BoardDet
   out.summary = summarized(out.criteria);
   out.sigma_factor = out.halves_rms_px = out.halves_expected_rms_px = kNan;
   if (halves) {
+    out.halves = halves->difference;
     out.halves_rms_px = halves->difference.rms_px;
     out.halves_expected_rms_px = halves->difference.expected_rms_px;
     const double factor = out.halves_rms_px / out.halves_expected_rms_px;

@@ -59,7 +59,7 @@ std::optional<std::string> invalid_field(const Camera& camera) {
   for (const double k : camera.distortion) {
     if (!std::isfinite(k)) return "distortion";
   }
-  const Eigen::Index n = 4 + distortion_count(camera.model);
+  const Eigen::Index n = 4 + distortion_count(camera.model, camera.spline);
   const bool absent = camera.covariance.size() == 0;
   if (!absent && (camera.covariance.rows() != n || camera.covariance.cols() != n)) return "covariance (size)";
   if (!absent && !camera.covariance.allFinite()) return "covariance";

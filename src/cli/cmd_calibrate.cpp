@@ -15,6 +15,9 @@ struct Arguments {
   std::string out;
   std::string model = "opencv5";
   std::vector<std::string> images;
+  double flight_height_m = project::CalibrateJobOptions{}.flight_height_m;
+  bool square_pixels = false;
+  bool warp = false;
   int threads = 0;
   bool json = false;
 };
@@ -32,6 +35,8 @@ void print_camera(const project::CalibrateOutcome& outcome, const std::string& o
   }
   table.rows.push_back({"rms_px", base::format_fixed(outcome.calibration.rms_px, 4), ""});
   print_table(table);
+  if (!outcome.calibration.model_choice.empty())
+    std::printf("%s\n", outcome.calibration.model_choice.c_str());
   std::printf("report: %s/report.html\n", out.c_str());
 }
 
@@ -45,18 +50,24 @@ base::Value json_of(const project::CalibrateOutcome& outcome, const std::string&
   value.set("cx", camera.cx);
   value.set("cy", camera.cy);
   value.set("rms_px", outcome.calibration.rms_px);
+  if (!outcome.calibration.model_choice.empty()) value.set("model_choice", outcome.calibration.model_choice);
   value.set("findings", findings_value(outcome.findings));
   return value;
 }
 
 int calibrate(const Arguments& arguments) {
-  const auto model = camera::model_from_name(arguments.model);
-  if (!model) {
-    return fail({"bad_option", "--model", "'" + arguments.model + "'",
-                 "pinhole, opencv4, opencv5, opencv8 or opencv12", ""});
+  project::CalibrateJobOptions options;
+  options.choose_model = arguments.model == "auto";
+  options.flight_height_m = arguments.flight_height_m;
+  options.solve.square_pixels = arguments.square_pixels;
+  options.solve.solve_warp = arguments.warp;
+  if (!options.choose_model) {
+    const auto model = camera::model_from_name(arguments.model);
+    if (!model)
+      return fail(
+          {"bad_option", "--model", "'" + arguments.model + "'", "auto, " + camera::model_names(), ""});
+    options.solve.model = *model;
   }
-  calib::CalibrateOptions options;
-  options.model = *model;
   project::JobOptions job{arguments.threads, progress_on_stderr()};
   const std::vector<std::filesystem::path> images(arguments.images.begin(), arguments.images.end());
   const auto outcome = project::calibrate_job(images, {arguments.target, 1e-3 * arguments.square_mm}, options,
@@ -84,7 +95,14 @@ void add_calibrate(CLI::App& app, Action& action) {
       ->check(CLI::Range(1.0, 999.0))
       ->excludes("--target");
   command->add_option("--out", arguments->out, "folder for the results")->required();
-  command->add_option("--model", arguments->model, "pinhole, opencv4, opencv5, opencv8 or opencv12")
+  command->add_option("--model", arguments->model, "auto (by cross-validation), " + camera::model_names())
+      ->capture_default_str();
+  command->add_flag("--square-pixels", arguments->square_pixels, "one focal length: fx = fy");
+  command->add_flag("--warp", arguments->warp, "solve how far the board bends, as mrcal does");
+  command
+      ->add_option("--flight-height", arguments->flight_height_m,
+                   "above the crop, m: for the map of the height error")
+      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_option("--threads", arguments->threads, "0: one per core")->check(CLI::NonNegativeNumber);
   command->add_flag("--json", arguments->json, "print JSON");

@@ -18,6 +18,7 @@ int run(int argc, char** argv) {
   furrow::cli::add_demo(app, action);
   furrow::cli::add_simulate(app, action);
   furrow::cli::add_calibrate(app, action);
+  furrow::cli::add_camera(app, action);
   furrow::cli::add_rows(app, action);
   furrow::cli::add_follow(app, action);
   furrow::cli::add_run(app, action);

@@ -218,7 +218,7 @@ Result<Figure> error_histogram(const Comparison& comparison, const FigureOptions
   const Series curve = gaussian(bins, numbers, x);
   std::vector<double> heights(bins.counts.begin(), bins.counts.end());
   heights.insert(heights.end(), curve.y.begin(), curve.y.end());
-  Axis y = axis_over("number of shots", heights, 6, true);
+  Axis y = axis_over("number of " + comparison.counted, heights, 6, true);
   std::erase_if(y.ticks.values, [](double v) { return v != std::round(v); });
   y.ticks.decimals = 0;
 

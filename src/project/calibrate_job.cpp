@@ -1,4 +1,6 @@
 #include "furrow/base/file.h"
+#include "furrow/calib/choose_model.h"
+#include "furrow/calib/mrcal_inputs.h"
 #include "furrow/camera/model_files.h"
 #include "furrow/figures/figures.h"
 #include "furrow/project/jobs.h"
@@ -35,23 +37,47 @@ Result<target::BoardSpec> board_from(const BoardSource& source,
   return board;
 }
 
+bool is_for(const calib::Calibration& calibration, camera::CameraFormat format) {
+  return camera::export_camera(calibration.camera, format).ok();
+}
+
 }  // namespace
 
+std::vector<std::string> calibration_files(const calib::Calibration& calibration) {
+  std::vector<std::string> out;
+  if (is_for(calibration, camera::CameraFormat::mrcal)) out.emplace_back("camera.cameramodel");
+  if (is_for(calibration, camera::CameraFormat::opencv)) out.emplace_back("camera.yaml");
+  out.insert(out.end(), {"calibration.json", "verdict.json"});
+  return out;
+}
+
 Status write_calibration(const std::filesystem::path& out, const JudgedCalibration& judged) {
-  FURROW_DO(
-      base::write_file(out / "camera.cameramodel", camera::to_mrcal_cameramodel(judged.calibration.camera)));
-  FURROW_DO(base::write_file(out / "camera.yaml", camera::to_opencv_yaml(judged.calibration.camera)));
+  const calib::Calibration& calibration = judged.calibration;
+  if (is_for(calibration, camera::CameraFormat::mrcal)) {
+    FURROW_DO(base::write_file(
+        out / "camera.cameramodel",
+        camera::to_mrcal_cameramodel(calibration.camera, calib::mrcal_optimization_inputs(calibration))));
+  }
+  if (is_for(calibration, camera::CameraFormat::opencv))
+    FURROW_DO(base::write_file(out / "camera.yaml", camera::to_opencv_yaml(calibration.camera)));
   FURROW_DO(base::write_file(out / "calibration.json", calib::to_json(judged.calibration)));
   return base::write_file(out / "verdict.json", calib::to_json(judged.verdict));
 }
 
 Result<JudgedCalibration> calibrate_from_pictures(const std::vector<std::filesystem::path>& images,
                                                   const BoardSource& source,
-                                                  const calib::CalibrateOptions& options,
+                                                  const CalibrateJobOptions& options,
                                                   const JobOptions& job) {
   FURROW_TRY(const target::BoardSpec board, board_from(source, images, job));
   const auto detections = target::detect_boards(images, board, {}, job.threads, job.progress);
-  auto calibration = calib::calibrate(detections, board, options);
+  calib::CalibrateOptions solve = options.solve;
+  std::string choice_words;
+  if (options.choose_model) {
+    FURROW_TRY(const calib::ModelChoice choice, calib::choose_model(detections, board, solve));
+    solve.model = choice.model;
+    choice_words = choice.sentence;
+  }
+  auto calibration = calib::calibrate(detections, board, solve);
   if (!calibration.ok()) {
     Error error = calibration.error();
     if (error.code == "too_few_boards") {
@@ -60,21 +86,23 @@ Result<JudgedCalibration> calibrate_from_pictures(const std::vector<std::filesys
     }
     return error;
   }
-  calib::Verdict verdict = calib::judge(*calibration, detections, options);
+  calibration.value().model_choice = choice_words;
+  calib::Verdict verdict = calib::judge(*calibration, detections, solve);
   return JudgedCalibration{std::move(*calibration), std::move(verdict)};
 }
 
 Result<CalibrateOutcome> calibrate_job(const std::vector<std::filesystem::path>& images,
-                                       const BoardSource& board, const calib::CalibrateOptions& options,
+                                       const BoardSource& board, const CalibrateJobOptions& options,
                                        const std::filesystem::path& out, const JobOptions& job) {
   CalibrateOutcome outcome;
   FURROW_TRY(JudgedCalibration judged, calibrate_from_pictures(images, board, options, job));
   outcome.findings = audit::assess_calibration(judged.calibration, judged.verdict);
   FURROW_DO(write_calibration(out, judged));
-  outcome.calibration = std::move(judged.calibration);
-  outcome.files = {"camera.cameramodel", "camera.yaml", "calibration.json", "verdict.json", "report.html"};
+  outcome.files = calibration_files(judged.calibration);
+  outcome.files.emplace_back("report.html");
   base::report(job.progress, "drawing", 0, 1);
-  FURROW_TRY(auto made, calibration_figures(outcome.calibration));
+  FURROW_TRY(auto made, calibration_figures(judged.calibration, judged.verdict, options.flight_height_m));
+  outcome.calibration = std::move(judged.calibration);
   for (const auto& figure : made) FURROW_DO(figures::write_figure(out / "figures", figure));
   const auto page = calibration_page(
       outcome.calibration, calibration_section(outcome.calibration, outcome.findings, std::move(made)));
@@ -89,9 +117,9 @@ Result<ProjectCamera> camera_of(const Project& project, const JobOptions& job) {
     FURROW_TRY(result.camera, camera::read_camera(project.camera_model));
     return result;
   }
-  calib::CalibrateOptions options;
-  options.model = project.calibrate_model;
-  options.solve_aspect = project.calibrate_aspect;
+  CalibrateJobOptions options;
+  options.solve.model = project.calibrate_model;
+  options.solve.solve_aspect = project.calibrate_aspect;
   FURROW_TRY(result.calibration,
              calibrate_from_pictures(project.board_images, {project.board_file}, options, job));
   // What the halves of the views deny is not handed on as certain.

@@ -19,10 +19,14 @@ struct JudgedCalibration {
 /// instead.
 Result<JudgedCalibration> calibrate_from_pictures(const std::vector<std::filesystem::path>& images,
                                                   const BoardSource& source,
-                                                  const calib::CalibrateOptions& options,
+                                                  const CalibrateJobOptions& options,
                                                   const JobOptions& job);
 
-/// camera.cameramodel, camera.yaml, calibration.json and verdict.json into `out`.
+/// Names of what write_calibration() writes: camera.cameramodel (mrcal knows no fisheye), camera.yaml (OpenCV
+/// no wide lens but the fisheye), calibration.json, verdict.json.
+std::vector<std::string> calibration_files(const calib::Calibration& calibration);
+
+/// These files into `out`.
 Status write_calibration(const std::filesystem::path& out, const JudgedCalibration& judged);
 
 /// The camera of a project and, when it was calibrated for it, the calibration.

@@ -5,6 +5,8 @@
 #include "furrow/audit/truth.h"
 #include "furrow/base/text.h"
 #include "furrow/base/version.h"
+#include "furrow/calib/uncertainty.h"
+#include "furrow/figures/camera_maps.h"
 #include "furrow/figures/pictures.h"
 #include "project/height_sections.h"
 
@@ -18,19 +20,20 @@ std::string size_text(const Camera& camera) {
 }
 
 report::PageTable camera_table(const Camera& camera) {
-  static const std::vector<std::string> kNames = {"fx / px", "fy / px", "cx / px", "cy / px", "k1", "k2",
-                                                  "p1",      "p2",      "k3",      "k4",      "k5", "k6",
-                                                  "s1",      "s2",      "s3",      "s4"};
+  const std::vector<std::string> names = camera::intrinsic_names(camera);
+  // The knots of a splined lens are hundreds; calibration.json has them.
+  constexpr Eigen::Index kMostShown = 16;
   report::PageTable table;
   table.caption = "Intrinsics (" + camera::model_name(camera.model) + ") at " + size_text(camera) +
                   " px; \u00b1 is one sigma";
   table.cells.columns = {"parameter", "value"};
   const Eigen::VectorXd values = camera::intrinsics(camera);
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
+  for (Eigen::Index i = 0;
+       i < std::min(values.size(), camera.distortion.size() > kMostShown ? 4 : kMostShown); ++i) {
     const bool known = camera.covariance.rows() == values.size();
     const double sigma = known ? std::sqrt(camera.covariance(i, i)) : std::nan("");
-    table.cells.rows.push_back(
-        {kNames[static_cast<std::size_t>(i)], with_sigma(values[i], sigma, i < 4 ? 2 : 5)});
+    table.cells.rows.push_back({names[static_cast<std::size_t>(i)] + (i < 4 ? " / px" : ""),
+                                with_sigma(values[i], sigma, i < 4 ? 2 : 5)});
   }
   return table;
 }
@@ -135,11 +138,59 @@ std::string with_sigma(double value, double sigma, int decimals) {
          (std::isfinite(sigma) ? " \u00b1 " + format_fixed(sigma, decimals) : "");
 }
 
-Result<std::vector<figures::Figure>> calibration_figures(const calib::Calibration& calibration) {
+namespace {
+
+/// A figure that a calibration may have no numbers for.
+void add_if_drawn(Result<figures::Figure> figure, std::vector<figures::Figure>& made) {
+  if (figure.ok()) made.push_back(std::move(figure).value());
+}
+
+void add_uncertainty(const calib::Calibration& calibration, double flight_height_m,
+                     std::vector<figures::Figure>& made) {
+  const Camera& camera = calibration.camera;
+  const std::string height = format_fixed(flight_height_m, 1) + " m";
+  const auto sigma = calib::projection_sigma_map(calibration, flight_height_m);
+  add_if_drawn(
+      figures::picture_map({"projection_uncertainty", "projection sigma / px",
+                            "Standard deviation, in the worst direction, of where a point " + height +
+                                " away is seen: what the corners' noise leaves open of the lens, the boards' "
+                                "poses counted (mrcal's definition).",
+                            sigma.columns, sigma.rows, camera.width, camera.height, sigma.values}),
+      made);
+  const auto error = calib::height_error_map(calibration, flight_height_m);
+  add_if_drawn(
+      figures::picture_map({"height_error", "height error / %",
+                            "The same as an error of the height, one sigma, when a known length between the "
+                            "picture's middle and that place is seen from " +
+                                height + "; in the middle it is the focal length's.",
+                            error.columns, error.rows, camera.width, camera.height, error.values}),
+      made);
+}
+
+}  // namespace
+
+Result<std::vector<figures::Figure>> calibration_figures(const calib::Calibration& calibration,
+                                                         const calib::Verdict& verdict,
+                                                         double flight_height_m) {
   std::vector<figures::Figure> made;
   FURROW_TRY(made.emplace_back(), figures::reprojection_bars(calibration));
   FURROW_TRY(made.emplace_back(), figures::board_poses(calibration));
+  FURROW_TRY(made.emplace_back(), figures::coverage_map(calibration));
   FURROW_TRY(made.emplace_back(), figures::residual_map(calibration));
+  FURROW_TRY(made.emplace_back(), figures::residual_histogram(calibration));
+  add_if_drawn(figures::distortion_curve(camera::distortion_curve(calibration.camera)), made);
+  add_uncertainty(calibration, flight_height_m, made);
+  if (verdict.halves) {
+    add_if_drawn(
+        figures::picture_map(figures::difference_map(
+            "halves_difference",
+            "Cross-validation: how far two cameras, each solved from every other picture, put the same "
+            "direction apart; RMS " +
+                format_fixed(verdict.halves_rms_px, 3) + " px, where their covariances predict " +
+                format_fixed(verdict.halves_expected_rms_px, 3) + " px.",
+            calibration.camera, *verdict.halves)),
+        made);
+  }
   return made;
 }
 
@@ -164,6 +215,7 @@ report::Section calibration_section(const calib::Calibration& calibration,
         with_sigma(calibration.board_aspect.value, calibration.board_aspect.sigma, 4) +
         ", with square pixels (fx = fy).");
   }
+  if (!calibration.model_choice.empty()) section.paragraphs.push_back(calibration.model_choice);
   section.paragraphs.insert(section.paragraphs.end(), calibration.warnings.begin(),
                             calibration.warnings.end());
   section.findings = findings;

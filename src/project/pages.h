@@ -6,6 +6,7 @@
 #include "furrow/audit/budget.h"
 #include "furrow/audit/fusion.h"
 #include "furrow/calib/calibrate.h"
+#include "furrow/calib/verdict.h"
 #include "furrow/project/jobs.h"
 #include "furrow/report/page.h"
 
@@ -14,8 +15,12 @@ namespace furrow::project {
 /// "1.30 \u00b1 0.04"; a sigma that is not known is left out.
 std::string with_sigma(double value, double sigma, int decimals);
 
-/// Figures of a calibration: error bars per view and board poses.
-Result<std::vector<figures::Figure>> calibration_figures(const calib::Calibration& calibration);
+/// Figures of a calibration: error bars per view, board poses, residuals over the picture and as a histogram,
+/// coverage, distortion, uncertainty over the picture as px and as height error at that height, and how two
+/// halves of the pictures differ. What a calibration has no numbers for is left out.
+Result<std::vector<figures::Figure>> calibration_figures(const calib::Calibration& calibration,
+                                                         const calib::Verdict& verdict,
+                                                         double flight_height_m);
 
 /// "Calibration" as a section: findings, parameters with sigma, views, figures.
 report::Section calibration_section(const calib::Calibration& calibration,

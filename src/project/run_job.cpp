@@ -18,6 +18,7 @@
 #include "furrow/image/image.h"
 #include "furrow/project/jobs.h"
 #include "furrow/report/page.h"
+#include "furrow/stats/robust.h"
 #include "project/calibration_outputs.h"
 #include "project/fusion.h"
 #include "project/hand_widths.h"
@@ -334,6 +335,14 @@ Status write_tables(const fs::path& out, const RunTables& tables,
   return Done{};
 }
 
+/// Median height above the canopy, for the map of the height error; a usual one when no shot has a height.
+double flown_height_m(const std::vector<audit::ShotRecord>& records) {
+  std::vector<double> heights_m;
+  for (const audit::ShotRecord& record : records) heights_m.push_back(record.above_canopy_refined_m.value);
+  const double middle_m = stats::median(heights_m);
+  return middle_m > 0.0 ? middle_m : CalibrateJobOptions{}.flight_height_m;
+}
+
 void add_files_of(const figures::Figure& figure, std::vector<std::string>& files) {
   files.push_back("figures/" + figure.name + ".png");
   files.push_back("figures/" + figure.name + ".svg");
@@ -389,12 +398,12 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
   FURROW_TRY(content.overlays, overlays(tables.shots, tables.results, tables.flight));
   if (tables.camera.calibration) {
     const calib::Calibration& calibration = tables.camera.calibration->calibration;
-    FURROW_TRY(auto made, calibration_figures(calibration));
+    FURROW_TRY(auto made, calibration_figures(calibration, tables.camera.calibration->verdict,
+                                              flown_height_m(outcome.records)));
     const auto findings = audit::assess_calibration(calibration, tables.camera.calibration->verdict);
     content.calibration.push_back(calibration_section(calibration, findings, std::move(made)));
     outcome.findings.insert(outcome.findings.end(), findings.begin(), findings.end());
-    files.insert(files.end(), {"calibration/camera.cameramodel", "calibration/camera.yaml",
-                               "calibration/calibration.json", "calibration/verdict.json"});
+    for (const std::string& file : calibration_files(calibration)) files.push_back("calibration/" + file);
     for (const auto& figure : content.calibration[0].figures) {
       FURROW_DO(figures::write_figure(out / "figures", figure));
       add_files_of(figure, files);

@@ -3,15 +3,17 @@
 //
 //   bench_calibration [--data DIR] [--finders] [--no-mrcal] [NAME...]
 //
-// --finders also runs OpenCV's two finders and mrgingham (minutes on large pictures) and solves their
-// corners. RMS is sqrt(sum of squared distances / corners) for all; mrcal prints it per coordinate, so its
-// number is multiplied by sqrt(2). mrcal's time is that of its program, Python's start included; its own
-// solver is the smaller part.
+// --finders also runs OpenCV's two finders and mrgingham (minutes on large pictures) and solves their corners. RMS is sqrt(sum of squared distances
+// / corners) for all; mrcal prints it per coordinate, so its number is multiplied by sqrt(2). Solve times are
+// CPU times, start values included; mrcal's is the sum over mrcal.optimize() and its seed inside its own
+// program, and "in all" that program's, Python's start included. mrcal is told the focal length, Furrow and
+// OpenCV are not.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -57,6 +59,13 @@ double seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+/// CPU time of this program, s: what a solve costs whatever else the machine does.
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 struct OpenCvResult {
   double rms_px, fx, time_s;
 };
@@ -79,55 +88,89 @@ OpenCvResult opencv_solves(const std::vector<target::BoardDetection>& detections
   }
   cv::Mat k, d;
   std::vector<cv::Mat> r, t;
-  const double start = seconds();
+  const double start = cpu_seconds();
   const double rms_px = cv::calibrateCamera(in_board, px, size, k, d, r, t, 0);
-  return {rms_px, k.at<double>(0, 0), seconds() - start};
+  return {rms_px, k.at<double>(0, 0), cpu_seconds() - start};
 }
 
 /// Runs mrcal's program on the same corners; nothing when it is not installed or fails.
 struct MrcalResult {
   bool ok = false;
   Camera camera;
-  double rms_px = 0.0, time_s = 0.0;
+  double rms_px = 0.0;
+  double all_s = 0.0;    ///< CPU time of the program, Python's start included
+  double solve_s = 0.0;  ///< of these, in mrcal.optimize() and its seed
 };
 
+/// What mrcal is asked: its lens model, and whether corners weigh by their sigma and the board may bend, as
+/// its users do.
+struct MrcalProblem {
+  std::string lensmodel = "LENSMODEL_OPENCV5";
+  bool weights_and_warp = false;
+};
+
+/// mrcal's own program, with the time spent in its solver summed up.
+constexpr const char* kTimedMrcal = R"(import mrcal, runpy, sys, time
+spent = 0.0
+def timed(f):
+    def run(*a, **k):
+        global spent
+        start = time.process_time()
+        try: return f(*a, **k)
+        finally: spent += time.process_time() - start
+    return run
+mrcal.optimize = timed(mrcal.optimize)
+mrcal.seed_stereographic = timed(mrcal.seed_stereographic)
+try: runpy.run_path('/usr/bin/mrcal-calibrate-cameras', run_name='__main__')
+finally: print('## spent', spent, time.process_time())
+)";
+
+/// Number after the last `mark` in a log.
+double number_after(const std::string& log, const std::string& mark) {
+  const auto at = log.rfind(mark);
+  return at == std::string::npos ? 0.0 : std::atof(log.c_str() + at + mark.size());
+}
+
 MrcalResult mrcal_solves(const std::vector<target::BoardDetection>& detections,
-                         const target::BoardSpec& board, double focal_px) {
+                         const target::BoardSpec& board, double focal_px, const MrcalProblem& problem = {}) {
   const fs::path folder = fs::temp_directory_path() / "furrow_bench_mrcal";
   fs::remove_all(folder);
   fs::create_directories(folder);
   std::ostringstream corners;
-  corners << "# filename x y level\n";
+  corners << "# filename x y " << (problem.weights_and_warp ? "weight" : "level") << "\n";
   const target::BoardDetection* any = nullptr;
   for (const auto& one : detections) {
     if (!one.found) continue;
     any = &one;
-    for (const auto& p : one.corners_px) {
-      corners << one.image << " " << base::format_double(p.x()) << " " << base::format_double(p.y())
-              << " 0\n";
+    for (std::size_t c = 0; c < one.corners_px.size(); ++c) {
+      corners << one.image << " " << base::format_double(one.corners_px[c].x()) << " "
+              << base::format_double(one.corners_px[c].y()) << " "
+              << (problem.weights_and_warp ? base::format_double(1.0 / one.sigma_px[c]) : "0") << "\n";
     }
   }
-  if (any == nullptr || !base::write_file(folder / "corners.vnl", corners.str()).ok()) return {};
+  if (any == nullptr || !base::write_file(folder / "corners.vnl", corners.str()).ok() ||
+      !base::write_file(folder / "timed.py", kTimedMrcal).ok())
+    return {};
   std::ostringstream command;
-  command << "cd '" << folder.string()
-          << "' && mrcal-calibrate-cameras --lensmodel LENSMODEL_OPENCV5 --focal " << focal_px
-          << " --object-spacing " << board.square_m << " --object-width-n " << board.corners_x
-          << " --object-height-n " << board.corners_y << " --imagersize " << any->width << " " << any->height
-          << " --corners-cache corners.vnl --skip-outlier-rejection --skip-calobject-warp-solve --outdir . "
-             "'*' > log.txt 2>&1";
-  const double start = seconds();
+  command << "cd '" << folder.string() << "' && timeout 300 /usr/bin/python3 timed.py --lensmodel "
+          << problem.lensmodel << " --focal " << focal_px << " --object-spacing " << board.square_m
+          << " --object-width-n " << board.corners_x << " --object-height-n " << board.corners_y
+          << " --imagersize " << any->width << " " << any->height
+          << " --corners-cache corners.vnl --skip-outlier-rejection "
+          << (problem.weights_and_warp ? "--corners-cache-has-weights " : "--skip-calobject-warp-solve ")
+          << "--outdir . '*' > log.txt 2>&1";
   if (std::system(command.str().c_str()) != 0) return {};
   MrcalResult out;
-  out.time_s = seconds() - start;
   const auto files = base::expand_pattern("*.cameramodel", folder);
   if (!files.ok()) return {};
   const auto camera = camera::read_camera(files->front());
   const auto log = base::read_file(folder / "log.txt");
   if (!camera.ok() || !log.ok()) return {};
   out.camera = *camera;
-  const std::string mark = "## RMS error: ";
-  const auto at = log->rfind(mark);  // one a stage; the last is the full solve
-  if (at != std::string::npos) out.rms_px = std::sqrt(2.0) * std::atof(log->c_str() + at + mark.size());
+  out.rms_px =
+      std::sqrt(2.0) * number_after(*log, "## RMS error: ");  // one a stage; the last is the full solve
+  const auto at = log->rfind("## spent ");
+  if (at != std::string::npos) std::sscanf(log->c_str() + at, "## spent %lf %lf", &out.solve_s, &out.all_s);
   out.ok = true;
   return out;
 }
@@ -231,9 +274,9 @@ void bench_set(const Set& set, const fs::path& data, bool finders, bool with_mrc
   const double detect_s = seconds() - start;
   const auto found =
       std::count_if(detections.begin(), detections.end(), [](const auto& d) { return d.found; });
-  start = seconds();
+  start = cpu_seconds();
   const auto ours = calib::calibrate(detections, board);
-  const double solve_s = seconds() - start;
+  const double solve_s = cpu_seconds() - start;
   std::printf("%-16s %3d of %3zu boards %6.2f s", set.name, static_cast<int>(found), files->size(), detect_s);
   if (!ours.ok()) {
     std::printf("  %s\n", ours.error().message().c_str());
@@ -245,8 +288,8 @@ void bench_set(const Set& set, const fs::path& data, bool finders, bool with_mrc
   const MrcalResult mrcal = with_mrcal ? mrcal_solves(detections, board, ours->camera.fx) : MrcalResult{};
   if (mrcal.ok) {
     const auto difference = camera::compare_cameras(ours->camera, mrcal.camera);
-    std::printf(" | mrcal %.4f px %.2f s fx %.1f, differs %.3f px", mrcal.rms_px, mrcal.time_s,
-                mrcal.camera.fx, difference.ok() ? difference->rms_px : -1.0);
+    std::printf(" | mrcal %.4f px %.3f s (%.1f s in all) fx %.1f, differs %.3f px", mrcal.rms_px,
+                mrcal.solve_s, mrcal.all_s, mrcal.camera.fx, difference.ok() ? difference->rms_px : -1.0);
   }
   std::printf("\n");
   if (finders) bench_finders(*files, set, board);
@@ -254,7 +297,7 @@ void bench_set(const Set& set, const fs::path& data, bool finders, bool with_mrc
 }
 
 /// The published corners of mrcal's 24-megapixel set: 186 views of 10 x 10 with weights.
-void bench_mrcal_board(const fs::path& data) {
+void bench_mrcal_board(const fs::path& data, bool with_mrcal) {
   const fs::path folder = data / "calib/mrcal-board-24mp";
   const auto text = base::read_file(folder / "corners_weights.vnl");
   if (!text.ok()) return;
@@ -279,9 +322,10 @@ void bench_mrcal_board(const fs::path& data) {
   options.model = camera::CameraModel::opencv8;
   options.use_corner_sigma = true;
   options.solve_warp = true;
-  const double start = seconds();
-  const auto ours = calib::calibrate(detections, {"mrcal-board", 10, 10, 0.077, 1.0}, options);
-  const double solve_s = seconds() - start;
+  const target::BoardSpec board{"mrcal-board", 10, 10, 0.077, 1.0};
+  const double start = cpu_seconds();
+  const auto ours = calib::calibrate(detections, board, options);
+  const double solve_s = cpu_seconds() - start;
   if (!ours.ok()) {
     std::printf("mrcal-board-24mp %s\n", ours.error().message().c_str());
     return;
@@ -295,6 +339,28 @@ void bench_mrcal_board(const fs::path& data) {
     if (difference.ok())
       std::printf("; differs %.3f px from the published solve (fx %.2f)", difference->rms_px, published->fx);
   }
+  const MrcalResult mrcal =
+      with_mrcal ? mrcal_solves(detections, board, ours->camera.fx, {"LENSMODEL_OPENCV8", true})
+                 : MrcalResult{};
+  if (mrcal.ok)
+    std::printf(" | mrcal %.2f s (%.1f s in all), fx %.2f", mrcal.solve_s, mrcal.all_s, mrcal.camera.fx);
+  std::printf("\n");
+  options.model = camera::CameraModel::splined_stereographic;
+  const double splined_start = cpu_seconds();
+  const auto splined = calib::calibrate(detections, board, options);
+  if (splined.ok()) {
+    std::printf("mrcal-board-24mp splined %d x %d: %.2f s, RMS %.4f px (opencv8 %.4f px)",
+                splined->camera.spline.columns, splined->camera.spline.rows, cpu_seconds() - splined_start,
+                splined->rms_px, ours->rms_px);
+    const auto published_splined = camera::read_camera(folder / "splined-0.cameramodel");
+    const auto difference = published_splined.ok()
+                                ? camera::compare_cameras(splined->camera, *published_splined)
+                                : Result<camera::CameraDifference>(published_splined.error());
+    if (difference.ok())
+      std::printf("; differs %.3f px from mrcal's published splined solve", difference->rms_px);
+  } else {
+    std::printf("mrcal-board-24mp splined: %s", splined.error().message().c_str());
+  }
   std::printf("\n");
 }
 
@@ -303,9 +369,9 @@ void bench_growth() {
     calib::Session how;
     how.views = views;
     const auto detections = calib::session(calib::true_camera(), calib::true_board(), how);
-    const double start = seconds();
+    const double start = cpu_seconds();
     const auto ours = calib::calibrate(detections, calib::true_board());
-    const double time_s = seconds() - start;
+    const double time_s = cpu_seconds() - start;
     std::printf("synthetic %4d views %.3f s, %.3f ms a view, fx %.3f +- %.3f (truth %.3f)\n", views, time_s,
                 1e3 * time_s / views, ours.ok() ? ours->camera.fx : 0.0,
                 ours.ok() ? std::sqrt(ours->camera.covariance(0, 0)) : 0.0, calib::true_camera().fx);
@@ -337,7 +403,7 @@ int main(int argc, char** argv) {
     }
   }
   if (names.empty()) {
-    bench_mrcal_board(data);
+    bench_mrcal_board(data, with_mrcal);
     bench_growth();
   }
   return 0;

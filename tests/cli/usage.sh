@@ -1,7 +1,7 @@
 source "$(dirname "$0")/lib.sh"
 expect_exit 0 "$furrow" --help
 expect_says "demo"
-for command in demo simulate calibrate rows follow run target version; do
+for command in demo simulate calibrate camera rows follow run target version; do
   expect_exit 0 "$furrow" $command --help
   expect_says "Example: furrow $command"
 done

@@ -13,6 +13,7 @@
 #include "figures/samples.h"
 #include "furrow/base/file.h"
 #include "furrow/base/parallel.h"
+#include "furrow/figures/camera_maps.h"
 #include "furrow/figures/comparison.h"
 #include "furrow/figures/following.h"
 #include "furrow/figures/pictures.h"
@@ -94,6 +95,17 @@ std::vector<Case> all_figures() {
       {"plan_over_pitch", [=](const auto& o) { return plan_over_pitch(plans, o); }},
       {"plan_over_height", [=](const auto& o) { return plan_over_height(plans, o); }},
       {"residual_map", [=](const auto& o) { return residual_map(calibration, o); }},
+      {"residual_errors", [=](const auto& o) { return residual_histogram(calibration, o); }},
+      {"coverage_map", [=](const auto& o) { return coverage_map(calibration, o); }},
+      {"distortion_curve",
+       [=](const auto& o) { return distortion_curve(camera::distortion_curve(calibration.camera), o); }},
+      {"sigma_map",
+       [=](const auto& o) {
+         PictureMap map{"sigma_map", "projection sigma / px", "Sigma over the picture.", 12, 8, 1280, 720,
+                        {}};
+         for (int i = 0; i < 96; ++i) map.values.push_back(i == 0 ? kNaN : 0.1 + 0.01 * (i % 12));
+         return picture_map(map, o);
+       }},
       {"birds_eye_shot-1003",
        [=](const auto& o) { return birds_eye(samples::from_above(), "shot-1003", o); }},
       {"following_over_time", [](const auto& o) { return following_over_time(following_curves(), o); }},
@@ -251,6 +263,35 @@ TEST(Figures, AnyCalibrationCanBeDrawnOrSaysWhyNot) {
   const auto poses = board_poses(calibration);
   ASSERT_TRUE(poses.ok());
   EXPECT_FALSE(has_bad_number(*poses));
+}
+
+TEST(Figures, MapsOfACameraTakeWhatThereIsOrSayWhyNot) {
+  calib::Calibration none = samples::calibration();
+  for (calib::View& view : none.views) view.used = false;
+  EXPECT_EQ(residual_histogram(none).error().code, "nothing_to_draw");
+  EXPECT_EQ(coverage_map(none).error().code, "nothing_to_draw");
+  EXPECT_EQ(distortion_curve({}).error().code, "nothing_to_draw");
+  PictureMap map{"map", "q / px", "A map.", 2, 2, 640, 480, {kNaN, kNaN, kInf, kNaN}};
+  EXPECT_EQ(picture_map(map).error().code, "nothing_to_draw");
+  map.values = {0.0, 0.0, 0.0, kNaN};  // no relief
+  const auto flat = picture_map(map);
+  ASSERT_TRUE(flat.ok()) << flat.error().message();
+  EXPECT_NE(flat->caption.find("White"), std::string::npos);
+  EXPECT_EQ(flat->data.rows.size(), 4U);
+  map.values = {0.1, 0.2, 1e6, 0.3};
+  EXPECT_TRUE(picture_map(map).ok());
+}
+
+// A sum over the bins is the count of coordinates: two a corner.
+TEST(Figures, HistogramCountsEveryResidualOnce) {
+  const calib::Calibration calibration = samples::calibration();
+  const auto figure = residual_histogram(calibration);
+  ASSERT_TRUE(figure.ok());
+  int sum = 0, expected = 0;
+  for (const auto& row : figure->data.rows) sum += std::stoi(row[2]);
+  for (const calib::View& view : calibration.views)
+    expected += view.used ? 2 * static_cast<int>(view.residual_px.size()) : 0;
+  EXPECT_EQ(sum, expected);
 }
 
 TEST(Figures, OverlayNamesItsFileSafelyAndKeepsHostileTextOut) {

@@ -46,6 +46,7 @@ struct View {
   /// Which corner each one is (a place in target::corners_in_board); empty: all of them.
   std::vector<int> corner_ids;
   std::vector<Eigen::Vector2d> residual_px;  ///< observed - projected
+  std::vector<double> weight;                ///< of each corner in the solve; empty: all alike
   std::vector<bool>
       left_out;  ///< corners rejected as outliers; empty when none was looked for. Not counted in rms_px.
   /// What this view tells about the solved parameters (fx, fy or f, cx, cy, ...) with its own pose unknown:
@@ -78,6 +79,8 @@ struct Calibration {
   Estimate
       board_warp_x_m;  ///< height of the board's middle over its ends along x; observations 0 when not solved
   Estimate board_warp_y_m;
+  /// How the lens model was chosen, in words; empty when it was named by the caller.
+  std::string model_choice;
   /// What a person should know before using this camera, one sentence each.
   std::vector<std::string> warnings;
 };

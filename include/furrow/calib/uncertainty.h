@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "furrow/calib/calibrate.h"
 
@@ -17,6 +18,23 @@ std::optional<Eigen::Matrix2d> projection_covariance(const Calibration& calibrat
 /// Standard deviation in the worst direction, px: the number that mrcal's maps show.
 std::optional<double> projection_sigma_px(const Calibration& calibration, const Eigen::Vector2d& px,
                                           double distance_m);
+
+/// A quantity at the middles of columns x rows cells of the picture, row by row; NaN where there is none.
+struct UncertaintyMap {
+  int columns = 0, rows = 0;
+  std::vector<double> values;
+};
+/// projection_sigma_px() over the picture.
+UncertaintyMap projection_sigma_map(const Calibration& calibration, double distance_m, int columns = 48,
+                                    int rows = 32);
+
+/// One-sigma error, in percent, of a height that is found from a known length seen between the middle of the
+/// picture and `px`, `distance_m` away: of the two pixels' distance, radially. Towards the middle it becomes
+/// the focal length's. Nothing where projection_covariance() has nothing.
+std::optional<double> height_error_percent_at(const Calibration& calibration, const Eigen::Vector2d& px,
+                                              double distance_m);
+UncertaintyMap height_error_map(const Calibration& calibration, double distance_m, int columns = 48,
+                                int rows = 32);
 
 /// One-sigma height error, in percent of the height, that the focal length alone causes: a height from a
 /// known length on the ground goes with f one to one. Nothing without a covariance.

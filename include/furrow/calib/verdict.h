@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,8 +52,9 @@ struct Verdict {
   double sigma_factor = 1.0;
   double halves_rms_px =
       0.0;  ///< root mean square difference of the two halves over the picture; NaN as above
-  double halves_expected_rms_px = 0.0;     ///< what their covariances predict for it
-  std::vector<std::string> next_pictures;  ///< what to photograph next, in words
+  double halves_expected_rms_px = 0.0;             ///< what their covariances predict for it
+  std::optional<camera::CameraDifference> halves;  ///< of the two halves over the picture, for a map
+  std::vector<std::string> next_pictures;          ///< what to photograph next, in words
 };
 
 /// Judges a calibration that calibrate() made of these detections with these options; solves two halves of

@@ -16,6 +16,7 @@ struct Comparison {
   std::string reference_name;  ///< "log"
   std::vector<std::string> ids;
   std::vector<double> estimate, reference;
+  std::string counted = "shots";  ///< what a pair is
 };
 
 /// Refined height above ground against the log's height above take-off.

@@ -21,6 +21,13 @@ struct JobOptions {
   base::Progress progress;
 };
 
+/// How a calibration is made and shown.
+struct CalibrateJobOptions {
+  calib::CalibrateOptions solve;
+  bool choose_model = false;      ///< by cross-validation; solve.model is then the answer, not the question
+  double flight_height_m = 10.0;  ///< above the crop, for the map of the height error
+};
+
 /// What `furrow calibrate` did.
 struct CalibrateOutcome {
   calib::Calibration calibration;
@@ -35,11 +42,11 @@ struct BoardSource {
   double square_m = 0.0;       ///< of a board that is counted; 0: not told
 };
 
-/// Boards in pictures -> camera.cameramodel, camera.yaml, calibration.json, report.html, figures/ in `out`.
-/// Errors: those of read_board, calibrate and file writing; board_unknown (none was described and none
-/// counted), square_unknown (says what was counted).
+/// Boards in pictures -> camera.cameramodel, camera.yaml (each where the format knows the lens),
+/// calibration.json, verdict.json, report.html, figures/ in `out`. Errors: those of read_board, calibrate and
+/// file writing; board_unknown (none was described and none counted), square_unknown (says what was counted).
 Result<CalibrateOutcome> calibrate_job(const std::vector<std::filesystem::path>& images,
-                                       const BoardSource& board, const calib::CalibrateOptions& options,
+                                       const BoardSource& board, const CalibrateJobOptions& options,
                                        const std::filesystem::path& out, const JobOptions& job = {});
 
 /// Rows of one picture, for rows.json.
