@@ -210,17 +210,18 @@ Status solve_formula(const Job& job, const Start& start, Round& round) {
   return Done{};
 }
 
-/// Largest |x| and |y| on the stereographic plane that the picture's border reaches; rays that the lens lacks
-/// are left out.
+/// Largest |x| and |y| on the stereographic plane that the picture reaches; pixels without a ray, as in the
+/// dark corners of a circular picture, are left out.
 Eigen::Vector2d stereographic_reach(const Camera& camera) {
   Eigen::Vector2d reach = Eigen::Vector2d::Zero();
-  constexpr int kPlaces = 16;
-  for (int i = 0; i <= kPlaces; ++i) {
-    const double u = (camera.width - 1.0) * i / kPlaces, v = (camera.height - 1.0) * i / kPlaces;
-    for (const Eigen::Vector2d& px : {Eigen::Vector2d(u, 0.0), Eigen::Vector2d(u, camera.height - 1.0),
-                                      Eigen::Vector2d(0.0, v), Eigen::Vector2d(camera.width - 1.0, v)}) {
-      const auto ray = camera::unproject_ray(camera, px);
-      if (ray && ray->z() > -0.9)
+  // Nearer to straight behind than this (155 degrees off) the plane has no end.
+  constexpr double kFarthestZ = -0.9;
+  constexpr int kPlaces = 32;
+  for (int j = 0; j <= kPlaces; ++j) {
+    for (int i = 0; i <= kPlaces; ++i) {
+      const auto ray = camera::unproject_ray(
+          camera, {(camera.width - 1.0) * i / kPlaces, (camera.height - 1.0) * j / kPlaces});
+      if (ray && ray->z() > kFarthestZ)
         reach = reach.cwiseMax((ray->head<2>() * 2.0 / (1.0 + ray->z())).cwiseAbs());
     }
   }
@@ -229,7 +230,7 @@ Eigen::Vector2d stereographic_reach(const Camera& camera) {
 
 /// A grid of square meshes over all that the picture sees, with about nine corners to a knot.
 camera::SplineGrid grid_for(const Camera& seen, std::size_t corners) {
-  const Eigen::Vector2d reach = stereographic_reach(seen);
+  const Eigen::Vector2d reach = stereographic_reach(seen).cwiseMax(1e-3);
   constexpr double kCornersPerKnot = 9.0, kFewest = 8.0, kMost = 16.0, kMargin = 1.05;
   camera::SplineGrid grid;
   const double fov_rad = 4.0 * std::atan(0.5 * kMargin * reach.x());
@@ -299,7 +300,9 @@ Status solve_splined_lens(const Job& job, const Start& start, Round& round) {
   for (const SolveView& view : round.views) corners += view.seen.px.size();
   FreeTerms free;
   free.core = false;
-  const Camera camera = splined_like(seen, grid_for(seen, corners));
+  const camera::SplineGrid grid = grid_for(seen, corners);
+  const Camera camera = splined_like(seen, grid);
+  if (!camera::validate(camera).ok()) return solve_failed("no grid of knots over what the lens sees");
   free.distortion = static_cast<int>(camera.distortion.size());
   free.warp = job.options.solve_warp;
   const double noise_px = residual_px(round);

@@ -24,11 +24,14 @@ Eigen::Vector2d farthest_corner(const Camera& camera) {
           camera.cy > 0.5 * (camera.height - 1) ? 0.0 : camera.height - 1.0};
 }
 
+/// A pinhole's radius has doubled by here and soon has no bound.
+constexpr double kWidestCompared_rad = std::numbers::pi / 3.0;
+
 /// Radius of a pixel minus that of the same ray in a pinhole of the same focal length.
 std::optional<double> shift_px(const Camera& camera, const Eigen::Vector2d& focal_px,
                                const Eigen::Vector2d& px) {
   const auto xy = unproject(camera, px);
-  if (!xy) return std::nullopt;
+  if (!xy || xy->norm() > std::tan(kWidestCompared_rad)) return std::nullopt;
   return (px - Eigen::Vector2d(camera.cx, camera.cy)).norm() - xy->cwiseProduct(focal_px).norm();
 }
 
@@ -62,8 +65,6 @@ std::vector<DistortionPoint> distortion_curve(const Camera& camera, int count) {
   check(count > 1, "distortion_curve: two places at least");
   const Eigen::Vector2d middle(camera.cx, camera.cy), way = farthest_corner(camera) - middle;
   const Eigen::Vector2d focal_px = focal_on_axis_px(camera);
-  // A pinhole's radius has doubled by here and soon has no bound.
-  constexpr double kWidestCompared = std::numbers::pi / 3.0;
   std::vector<DistortionPoint> out;
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector2d px = middle + way * i / (count - 1);
@@ -72,9 +73,7 @@ std::vector<DistortionPoint> distortion_curve(const Camera& camera, int count) {
     DistortionPoint point;
     point.radius_px = (px - middle).norm();
     point.angle_rad = std::acos(std::clamp(ray->z(), -1.0, 1.0));
-    point.shift_px = point.angle_rad < kWidestCompared
-                         ? shift_px(camera, focal_px, px).value_or(std::numeric_limits<double>::quiet_NaN())
-                         : std::numeric_limits<double>::quiet_NaN();
+    point.shift_px = shift_px(camera, focal_px, px).value_or(std::numeric_limits<double>::quiet_NaN());
     out.push_back(point);
   }
   return out;

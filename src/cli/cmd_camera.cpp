@@ -59,8 +59,9 @@ void print_shown(const project::CameraShown& shown) {
   }
   row("FOV with distortion, h, v, diagonal / deg",
       degrees(d.horizontal_rad) + ", " + degrees(d.vertical_rad) + ", " + degrees(d.diagonal_rad));
-  row("distortion at the farthest corner / px",
-      d.corner_distortion_px ? format_fixed(*d.corner_distortion_px, 2) : "no ray there");
+  row("distortion at the farthest corner / px", d.corner_distortion_px
+                                                    ? format_fixed(*d.corner_distortion_px, 2)
+                                                    : "none given: no ray, or one at 60 deg and more");
   row("part of the picture without an inverse",
       d.inverse_reach_px ? format_fixed(100.0 * d.without_inverse, 1) + " %, from " +
                                format_fixed(*d.inverse_reach_px, 0) + " px from the principal point on"

@@ -97,6 +97,20 @@ TEST(LensModels, SplinesTakeTheShapeOfAFisheye) {
   EXPECT_LT(*sigma, 0.2);
 }
 
+// A circular picture in a larger frame: no pixel of the border has a ray (the fold lies inside), and the
+// knots must still be laid over what the lens sees.
+TEST(LensModels, SplinesOfACircularPicture) {
+  Camera truth = wide_camera(CameraModel::fisheye);
+  truth.fx = truth.fy = 190.0;
+  truth.distortion = {0.0, 0.0, 0.0, -0.002};  // turns back at 107 degrees, 300 px from the middle
+  ASSERT_FALSE(camera::unproject_ray(truth, {truth.cx, 0.0}).has_value());
+  CalibrateOptions options;
+  options.model = CameraModel::splined_stereographic;
+  const auto found = calibrate(wide_session(truth, 30, 0.1), true_board(), options);
+  ASSERT_TRUE(found.ok()) << found.error().message();
+  EXPECT_LT(found->rms_px, 0.16);
+}
+
 // A bump of 8 px that no radial formula has, as a cover glass or a decentred element makes: splines follow
 // it.
 TEST(LensModels, SplinesFollowWhatFormulasLack) {
