@@ -205,9 +205,13 @@ Period period_of(const Aligned& aligned, double bin_px, double spacing) {
     weight[bin] += aligned.weight[i];
   }
   Period period;
-  for (std::size_t i = 0; i < 2 * kPhases; ++i) {
-    period.sum_before[i + 1] = period.sum_before[i] + sum[i % kPhases];
-    period.weight_before[i + 1] = period.weight_before[i] + weight[i % kPhases];
+  for (std::size_t i = 0; i < kPhases; ++i) {
+    period.sum_before[i + 1] = period.sum_before[i] + sum[i];
+    period.weight_before[i + 1] = period.weight_before[i] + weight[i];
+  }
+  for (std::size_t i = 1; i <= kPhases; ++i) {
+    period.sum_before[kPhases + i] = period.sum_before[kPhases] + period.sum_before[i];
+    period.weight_before[kPhases + i] = period.weight_before[kPhases] + period.weight_before[i];
   }
   return period;
 }
@@ -249,8 +253,9 @@ void fold_all(const Strips& strips, const Rectified& rectified, const Sheared& s
               std::vector<Trial>& trials) {
   Aligned aligned;
   align(rectified, sheared.slope, sheared.bend, aligned);
+  // Successive spacings: six rows from the middle that is a quarter of a spacing.
   constexpr double kRatio =
-      1.03;  // successive spacings: eight rows from the middle that is a quarter of a spacing
+      1.04;  // successive spacings: eight rows from the middle that is a quarter of a spacing
   const double least = std::max(6.0, 4.0 * rectified.bin_px), most = 0.75 * strips.width;
   std::vector<Folded> folded;
   std::vector<double> spacings;

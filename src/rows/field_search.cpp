@@ -83,32 +83,42 @@ struct Step {
   int from = -1;
 };
 
+using AtShifts = std::array<float, 2 * kShifts + 1>;
+
+/// Adds one row's response at all shifts that keep it in the picture, `first_u` on and `step` px apart.
+void add_row(const Response& response, std::size_t j, float first_u, float step, float weight, AtShifts& sum,
+             AtShifts& weights) {
+  constexpr float kCount = 2 * kShifts + 1;
+  const float right = static_cast<float>(response.width - 1), per_step = 1.0F / step;
+  const float first = std::clamp(std::ceil(-first_u * per_step), 0.0F, kCount);
+  const float last = std::clamp(std::ceil((right - first_u) * per_step), first, kCount);
+  const float* line = response.value.data() + j * static_cast<std::size_t>(response.width);
+  for (auto d = static_cast<std::size_t>(first); d < static_cast<std::size_t>(last); ++d) {
+    // Rounding may put the first a hair outside.
+    const float u = std::max(0.0F, first_u + static_cast<float>(d) * step);
+    const int i = std::min(static_cast<int>(u), response.width - 2);
+    sum[d] += weight * (line[i] + (u - static_cast<float>(i)) * (line[i + 1] - line[i]));
+    weights[d] += weight;
+  }
+}
+
 /// Cost of every state on one strip: minus its response.
 void strip_costs(const Response& response, std::size_t j, const PlanarField& field, double centre_k,
                  double reach, std::vector<Step>& out) {
-  constexpr int kRows = 5;
+  constexpr int kRows = 3;
   const double v = static_cast<double>(response.v[j]);
   const float spacing0 = static_cast<float>(field.spacing_at(v)),
               centre0 = static_cast<float>(field.u_at(v, centre_k));
-  std::array<float, 2 * kRows + 1> weight{};
-  for (int k = -kRows; k <= kRows; ++k)
-    weight[static_cast<std::size_t>(k + kRows)] = static_cast<float>(1.0 / (1.0 + k * k / (reach * reach)));
-  const float right = static_cast<float>(response.width - 1);
+  const float step = static_cast<float>(kShiftStep) * spacing0;
   for (int e = -kStretches; e <= kStretches; ++e) {
     const float spacing = spacing0 * static_cast<float>(std::exp(e * kStretchStep));
+    AtShifts sum{}, weights{};
+    for (int k = -kRows; k <= kRows; ++k)
+      add_row(response, j, centre0 + static_cast<float>(k) * spacing - kShifts * step, step,
+              static_cast<float>(1.0 / (1.0 + k * k / (reach * reach))), sum, weights);
     for (int d = -kShifts; d <= kShifts; ++d) {
-      const float centre = centre0 + static_cast<float>(d * kShiftStep) * spacing0;
-      float sum = 0.0F, weights = 0.0F;
-      for (int k = -kRows; k <= kRows; ++k) {
-        const float u = centre + static_cast<float>(k) * spacing;
-        if (u < 0.0F || u > right) continue;
-        const float w = weight[static_cast<std::size_t>(k + kRows)];
-        sum += w * response.at(j, u);
-        weights += w;
-      }
-      Step& step = out[static_cast<std::size_t>(state_of(d, e))];
-      step.cost = weights > 0.0F ? -sum / weights : 0.0F;
-      step.from = -1;
+      const auto at = static_cast<std::size_t>(d + kShifts);
+      out[static_cast<std::size_t>(state_of(d, e))].cost = weights[at] > 0.0F ? -sum[at] / weights[at] : 0.0F;
     }
   }
 }
@@ -294,15 +304,15 @@ void undo_half_spacing(const Strips& strips, FoundField& found) {
 /// or less than a spacing, so far rows pull the model off the near ones.
 void settle(const Strips& strips, const SearchPriors& priors, FoundField& found) {
   constexpr double kReach = 2.0;  // rows
-  constexpr int kCalls = 200;
+  constexpr int kCalls = 150;
   const Emphasis near{.centre_k = found.field.k_at(found.field.u0, 0.7 * strips.height), .reach = kReach};
-  const auto settled = [&](PlanarField field) {
-    for (int round = 0; round < 2; ++round)
+  const auto settled = [&](PlanarField field, int rounds) {
+    for (int round = 0; round < rounds; ++round)
       field = refine(respond(strips, field, found.tooth), field, near, 0.05, kCalls, priors);
     return field;
   };
   const double centre_k = std::round(near.centre_k);
-  const PlanarField direct = settled(found.field);
+  const PlanarField direct = settled(found.field, 2);
   std::vector<PlanarField> starts = {
       fit_to(follow(respond(strips, direct, found.tooth), direct, centre_k, kReach), direct)};
   // Bends that a slip by half a row at the far end brought about go away when the rows start straight.
@@ -315,7 +325,7 @@ void settle(const Strips& strips, const SearchPriors& priors, FoundField& found)
   found.field = direct;
   double best = score(direct);
   for (const PlanarField& start : starts) {
-    const PlanarField one = settled(start);
+    const PlanarField one = settled(start, 1);
     const double value = score(one);
     if (value > best) best = value, found.field = one;
   }
