@@ -8,6 +8,7 @@
 #include "rows/green_map.h"
 #include "rows/index_rows.h"
 #include "rows/leaf_map.h"
+#include "rows/levelled.h"
 #include "rows/row_shape.h"
 
 namespace furrow::rows {
@@ -67,14 +68,7 @@ double confidence_of(double score) {
   return 1.0 / (1.0 + std::exp(-(score - kEven) / kScale));
 }
 
-}  // namespace
-
-std::optional<Previous> previous_of(const RowLines& lines) {
-  if (!lines.ok() || !lines.field) return std::nullopt;
-  return Previous{*lines.field, lines.tooth, lines.score};
-}
-
-RowLines detect_field(const Image& picture, const DetectOptions& options) {
+RowLines detect_level(const Image& picture, const DetectOptions& options) {
   RowLines lines;
   lines.method = "field";
   lines.width = picture.width;
@@ -124,6 +118,26 @@ RowLines detect_field(const Image& picture, const DetectOptions& options) {
   lines.tooth = found->tooth;
   lines.confidence = confidence_of(found->score);
   return lines;
+}
+
+}  // namespace
+
+std::optional<Previous> previous_of(const RowLines& lines) {
+  if (!lines.ok() || !lines.field) return std::nullopt;
+  return Previous{*lines.field, lines.tooth, lines.score};
+}
+
+RowLines detect_field(const Image& picture, const DetectOptions& options) {
+  // Less than the first moves the field by less than noise does; beyond the second nothing was ever level.
+  constexpr double kLeastSlope = 0.01, kMostSlope = 1.0;
+  const double slope = options.priors.horizon_slope.value_or(0.0);
+  if (!(std::abs(slope) > kLeastSlope && std::abs(slope) < kMostSlope) || picture.empty())
+    return detect_level(picture, options);
+  DetectOptions level = options;
+  level.sample_step_px = 0.5 * std::min(options.sample_step_px, 10.0);  // tilting may double a step
+  RowLines lines = detect_level(levelled(picture, slope), level);
+  tilt_back(lines, slope);
+  return lines.ok() && lines.rows.empty() ? no_rows(lines, lines.score, options.least_score) : lines;
 }
 
 }  // namespace furrow::rows

@@ -18,7 +18,10 @@ struct Priors {
   std::optional<double>
       horizon_v_px;  ///< picture row of the horizon at the middle column, from gimbal pitch and intrinsics
   double horizon_sigma_px = 40.0;
-  std::optional<double> horizon_slope;  ///< dv/du of the horizon, from the gimbal's roll
+  /// dv/du of the horizon, from the gimbal's roll: the picture is levelled by it before the search. Without
+  /// it rows are still found up to a roll of about 10 deg, with a lower score. Below 0.01 and from 1 on it is
+  /// not used.
+  std::optional<double> horizon_slope;
 };
 
 /// What the shot before in a sequence showed; of its RowLines.

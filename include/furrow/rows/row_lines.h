@@ -45,8 +45,10 @@ struct RowLines {
   double confidence = 0.0;
   std::string status = "not run";  ///< "ok", or a code: "no_rows", "picture_unreadable", ...
   std::string reason;              ///< a sentence when status is not "ok"
-  /// The common model of all rows, px of the picture (method "field" only).
+  /// The common model of all rows, px of the picture (method "field" only). Where horizon_slope is not 0, of
+  /// the picture levelled by it: v - horizon_slope (u - middle column).
   std::optional<PlanarField> field;
+  double horizon_slope = 0.0;  ///< dv/du of the horizon that was told and used (Priors::horizon_slope)
   double score = 0.0;  ///< mean correlation of the picture with the field's rows (method "field" only)
   double tooth = 0.0;  ///< width of a row that explains most, spacings (method "field" only)
 
