@@ -89,14 +89,14 @@ void convolve(const float* running, const Kernel& kernel, int width, float* out)
   using Lanes [[gnu::vector_size(16)]] = float;
   constexpr int kBlock = 16;
   for (int u = 0; u < width; u += kBlock) {
-    const int at = std::max(0, std::min(u, width - kBlock));
+    const int at = std::min(u, width - kBlock);
     std::array<Lanes, 4> sum{};
     for (std::size_t i = 0; i < Kernel::kPlaces; ++i) {
       std::array<Lanes, 4> in;
       std::memcpy(in.data(), running + at + kernel.from[i], sizeof in);
       for (std::size_t k = 0; k < 4; ++k) sum[k] += kernel.factor[i] * in[k];
     }
-    std::memcpy(out + at, sum.data(), std::min(sizeof sum, sizeof(float) * static_cast<std::size_t>(width)));
+    std::memcpy(out + at, sum.data(), sizeof sum);
   }
 }
 

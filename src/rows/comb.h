@@ -35,7 +35,7 @@ struct Emphasis {
 
 /// For every place of every strip: how much greener a row of that field would be there than what lies
 /// between, as a correlation. Made for one field's spacings; valid for fields whose spacings differ by a few
-/// percent.
+/// percent. The strips are 16 px wide or more.
 struct Response {
   int width = 0;
   std::vector<float> v;
