@@ -62,7 +62,7 @@ std::optional<ArrowInverse> invert(const ArrowMatrix& a) {
   const std::vector<Eigen::MatrixXd> solution = solve_border(a, *sweep);
   Eigen::MatrixXd schur = a.corner;
   for (std::size_t i = 0; i < a.diagonal.size(); ++i) schur -= a.border[i].transpose() * solution[i];
-  const auto corner = inverse_of(schur);
+  const auto corner = inverse_of(schur / a.repeats + a.corner_prior);
   if (!corner) return std::nullopt;
   ArrowInverse inverse;
   inverse.corner = *corner;

@@ -18,11 +18,21 @@ constexpr double kClaimWeight = 20.0;
 /// Largest lag-1 correlation taken at its word; beyond it a line is one observation anyway.
 constexpr double kMaxCorrelation = 0.98;
 
+/// Samples with one common error were drawn through the meeting point of the other edges, so they say where
+/// the line is and nothing about where it leads: variance of s times its slope over that of its offset.
+constexpr double kFreeTurn = 9.0;
+
 struct Samples {
   int row = 0;
   Side side = Side::centre;
   std::vector<Eigen::Vector2d> points;
   std::vector<double> sigmas;
+  bool common = false;  ///< one error for all samples
+
+  void add(const Eigen::Vector2d& point, double sigma) {
+    points.push_back(point);
+    sigmas.push_back(sigma);
+  }
 };
 
 struct Line {
@@ -179,21 +189,31 @@ void set_variances(const Line& line, const Noise& noise, EdgeLine& edge) {
   edge.covariance = scatter * (inflation.offset - inflation.slope);
 }
 
+/// An edge against the ground, or, where that was not seen, the top's against leaves.
+void keep_better(Samples ground, Samples top, std::vector<Samples>& all) {
+  constexpr std::size_t kFew = 10;
+  if (ground.points.size() < kFew && top.points.size() >= 2) ground = std::move(top);
+  if (ground.points.size() >= 2) all.push_back(std::move(ground));
+}
+
 std::vector<Samples> collect(const RowsOnUnitPlane& rows) {
   std::vector<Samples> all;
   for (const RowsOnUnitPlane::Row& row : rows.rows) {
     Samples left{row.index, Side::left, {}, {}}, right{row.index, Side::right, {}, {}};
+    Samples top_left = left, top_right = right;
+    top_left.common = top_right.common = true;
     Samples centre{row.index, Side::centre, {}, {}};
     for (const RowDirection& d : row.directions) {
-      centre.points.push_back(d.centre);
-      centre.sigmas.push_back(d.sigma);
-      if (d.left) left.points.push_back(*d.left), left.sigmas.push_back(d.edge_sigma);
-      if (d.right) right.points.push_back(*d.right), right.sigmas.push_back(d.edge_sigma);
+      centre.add(d.centre, d.sigma);
+      if (d.left) left.add(*d.left, d.edge_sigma);
+      if (d.right) right.add(*d.right, d.edge_sigma);
+      if (d.top_left) top_left.add(*d.top_left, d.top_sigma);
+      if (d.top_right) top_right.add(*d.top_right, d.top_sigma);
     }
-    const bool has_left = left.points.size() >= 2, has_right = right.points.size() >= 2;
-    if (has_left) all.push_back(std::move(left));
-    if (has_right) all.push_back(std::move(right));
-    if (!has_left && !has_right) all.push_back(std::move(centre));
+    const std::size_t before = all.size();
+    keep_better(std::move(left), std::move(top_left), all);
+    keep_better(std::move(right), std::move(top_right), all);
+    if (all.size() == before) all.push_back(std::move(centre));
   }
   return all;
 }
@@ -201,7 +221,7 @@ std::vector<Samples> collect(const RowsOnUnitPlane& rows) {
 }  // namespace
 
 std::vector<EdgeLine> reduce_to_lines(const RowsOnUnitPlane& rows) {
-  std::vector<EdgeLine> result;
+  std::vector<EdgeLine> result, tops;
   std::vector<Line> lines;
   for (const Samples& samples : collect(rows)) {
     auto line = fit_line(samples);
@@ -212,11 +232,18 @@ std::vector<EdgeLine> reduce_to_lines(const RowsOnUnitPlane& rows) {
     edge.points[0] = line->centroid - line->spread * line->along;
     edge.points[1] = line->centroid + line->spread * line->along;
     edge.samples = static_cast<int>(samples.points.size());
-    result.push_back(edge);
-    lines.push_back(std::move(*line));
+    if (samples.common) {
+      edge.variance = (1.0 + kFreeTurn) * line->mean_sigma2;
+      edge.covariance = (1.0 - kFreeTurn) * line->mean_sigma2;
+      tops.push_back(edge);
+    } else {
+      result.push_back(edge);
+      lines.push_back(std::move(*line));
+    }
   }
   const Noise noise = pooled_noise(lines);
   for (std::size_t i = 0; i < lines.size(); ++i) set_variances(lines[i], noise, result[i]);
+  result.insert(result.end(), tops.begin(), tops.end());
   return result;
 }
 

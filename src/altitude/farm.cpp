@@ -1,5 +1,6 @@
 #include "farm.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -46,6 +47,13 @@ Result<Farm> complete_farm(const FieldKnowledge& field) {
   FURROW_TRY(const bool height, given("row_height_m", field.row_height_m));
   FURROW_TRY(const bool depth, given("foliage_depth_m", field.foliage_depth_m));
   FURROW_TRY(const bool ratio, given("base_width_ratio", field.base_width_ratio));
+  const Estimate& rise = field.outline_rise_m;
+  if (!std::isnan(rise.value) &&
+      !(std::isfinite(rise.value) && std::isfinite(rise.sigma) && rise.sigma >= 0.0)) {
+    return Error{"not_finite", "outline_rise_m",
+                 base::format_double(rise.value) + " with sigma " + base::format_double(rise.sigma),
+                 "a finite value with a finite sigma, or NaN for not known", ""};
+  }
   if (!spacing) {
     return Error{"no_spacing", "row_spacing_m", "no row spacing",
                  "the distance between row centres in metres",
@@ -69,6 +77,18 @@ Result<Farm> complete_farm(const FieldKnowledge& field) {
                             ? field.growth_sigma_m
                             : kGrowthSigmaPerHalfWidth * farm.half_width_m.value;
   return farm;
+}
+
+Estimate outline_rise(const FieldKnowledge& field, double half_width_m, double pitch_rad) {
+  constexpr double kFlattest = 6.0;  // cotangent of 9 deg: flatter, the lower half of a picture counts
+  Estimate rise = field.outline_rise_m;
+  if (!rise.usable()) {
+    rise.value = kOutlineRisePerHalfWidth * half_width_m;
+    rise.sigma = kOutlineRiseSigmaPerHalfWidth * half_width_m;
+  }
+  const double down = std::max(-std::sin(pitch_rad), 1e-9);
+  const double flat = std::min(std::cos(pitch_rad) / down, kFlattest);
+  return {flat * rise.value, flat * rise.sigma, rise.observations};
 }
 
 }  // namespace furrow::altitude

@@ -15,4 +15,8 @@ struct Farm {
 /// Errors: no_spacing, not_finite, bad_field (not above 0), each naming the quantity.
 Result<Farm> complete_farm(const FieldKnowledge& field);
 
+/// How far the rows' outline stands above their top (FieldKnowledge::outline_rise_m) in a picture of this
+/// pitch (eq. 8.7).
+Estimate outline_rise(const FieldKnowledge& field, double half_width_m, double pitch_rad);
+
 }  // namespace furrow::altitude

@@ -1,5 +1,6 @@
 #include <ceres/ceres.h>
 #include <ceres/jet.h>
+#include <algorithm>
 #include <cmath>
 
 #include "arrow.h"
@@ -254,7 +255,7 @@ void add_ties(const Flight& flight, ArrowMatrix& matrix) {
   }
 }
 
-Normal normal_of(const Flight& flight) {
+Normal normal_of(const Flight& flight, double repeats) {
   std::vector<MemberJacobian> parts;
   double squares = 0.0, count = 0.0;
   for (const Member& member : flight.members) {
@@ -266,9 +267,11 @@ Normal normal_of(const Flight& flight) {
   const double freedom = count - kPoseSize * static_cast<double>(flight.members.size());
   normal.noise_scale2 = (kClaimWeight + squares) / (kClaimWeight + std::max(0.0, freedom));
   normal.residual_rms = freedom > 0.0 ? std::sqrt(squares / freedom) : 0.0;
-  normal.matrix.corner = Eigen::MatrixXd::Zero(kSharedSize, kSharedSize);
+  normal.matrix.corner = normal.matrix.corner_prior = Eigen::MatrixXd::Zero(kSharedSize, kSharedSize);
+  normal.matrix.repeats = std::clamp(repeats, 1.0, static_cast<double>(flight.members.size()));
   for (const ParameterPrior& prior : flight.shared_priors) {
-    normal.matrix.corner(prior.parameter, prior.parameter) += 1.0 / (prior.wanted.sigma * prior.wanted.sigma);
+    normal.matrix.corner_prior(prior.parameter, prior.parameter) +=
+        1.0 / (prior.wanted.sigma * prior.wanted.sigma);
   }
   for (const MemberJacobian& part : parts) {
     const Eigen::MatrixXd full = part.jacobian.transpose() * part.jacobian / normal.noise_scale2;
@@ -442,7 +445,7 @@ Result<RefinedFlight> refine_flight(const std::vector<ShotInput>& shots, const C
   const SolveReport report = solve(flight, options);
   result.iterations = report.iterations;
   result.termination = report.termination;
-  const Normal normal = normal_of(flight);
+  const Normal normal = normal_of(flight, options.shots_per_stretch);
   const auto inverse = invert(normal.matrix);
   if (!report.usable || !inverse) {
     return Error{"solve_failed", "flight", "no convergence (" + report.termination + ")",

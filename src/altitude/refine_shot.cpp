@@ -113,10 +113,12 @@ Result<RefinedShot> settle_shot(PreparedShot& prepared, const Camera& camera, co
                  "rows of one field", ""};
   }
   FURROW_TRY(const Posterior posterior, posterior_at(system, prepared.x, camera));
-  FURROW_DO(check_fit(prepared.x, posterior, options));
+  // A wrong prior pulls the rows out of shape too, and is the cause to name.
   FURROW_DO(check_priors(system, posterior, options.prior_conflict_sigmas));
+  FURROW_DO(check_fit(prepared.x, posterior, options));
   RefinedShot shot = describe(system, prepared.x, posterior.covariance + posterior.camera_covariance, field);
   shot.height_budget = height_budget(system, prepared.x, posterior, camera);
+  shot.height_budget.push_back({"outline", shot.outline_rise_m.sigma});
   shot.residual_rms = posterior.residual_rms;
   shot.rows_left_out = prepared.rows_left_out;
   shot.iterations = prepared.iterations + report.iterations;

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <set>
 
+#include "farm.h"
 #include "furrow/base/text.h"
 #include "furrow/geom/angles.h"
 #include "furrow/stats/robust.h"
@@ -142,12 +143,17 @@ int distinct_rows(const std::vector<EdgeLine>& lines) {
 }
 
 /// A row that shows no edge has grown into its neighbours, and where its middle lies is the detector's guess;
-/// it counts only when there are not two rows with edges.
+/// it counts only when there are not two rows with edges. Nor does a glimpse of an edge count beside rows
+/// that show theirs: leaves in front of it and behind it decide what is seen.
 std::vector<EdgeLine> prefer_edges(const std::vector<EdgeLine>& lines) {
-  std::vector<EdgeLine> edges;
+  constexpr int kGlimpse = 6;  // samples
+  std::vector<EdgeLine> edges, clear;
   for (const EdgeLine& line : lines) {
-    if (line.side != Side::centre) edges.push_back(line);
+    if (line.side == Side::centre) continue;
+    edges.push_back(line);
+    if (line.samples >= kGlimpse) clear.push_back(line);
   }
+  if (distinct_rows(clear) >= 2) return clear;
   return distinct_rows(edges) >= 2 ? edges : lines;
 }
 
@@ -453,9 +459,11 @@ Result<SpacingHeight> from_spacing(const RowsOnUnitPlane& rows, const FieldKnowl
   result.height_over_spacing = {over_spacing, std::sqrt(ab(1, 1)) * over_spacing * over_spacing, n};
   if (!field.row_spacing_m.usable()) return result;
   const double s = field.row_spacing_m.value, s_sigma = field.row_spacing_m.sigma;
-  const double height = s * over_spacing;
+  const double half_width = pencil.value[kPencilG] * s * over_spacing;
+  const Estimate rise = outline_rise(field, half_width, attitude.pitch_rad);
   result.height_above_canopy_m = {
-      height, std::hypot(s * result.height_over_spacing.sigma, over_spacing * s_sigma), n};
+      s * over_spacing + rise.value,
+      std::hypot(s * result.height_over_spacing.sigma, over_spacing * s_sigma, rise.sigma), n};
   // c = a S / b.
   const Eigen::Vector2d by_ab(s / b, -a * s / (b * b));
   const double by_s = a / b;

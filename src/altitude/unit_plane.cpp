@@ -44,6 +44,7 @@ void scale_sigmas(const Camera& camera, RowsOnUnitPlane::Row& row) {
     const Eigen::RowVector2d across = normal_at(row.directions, i).transpose() * unit_from_px;
     d.sigma *= across.norm();
     d.edge_sigma *= std::abs(across.x());
+    d.top_sigma *= std::abs(across.x());
   }
 }
 
@@ -60,6 +61,9 @@ RowsOnUnitPlane::Row unproject_row(const rows::RowLine& line, const Camera& came
     d.left = edge_on_unit_plane(camera, sample.left_u_px, sample.centre_px.y());
     d.right = edge_on_unit_plane(camera, sample.right_u_px, sample.centre_px.y());
     d.edge_sigma = stated_or_default(sample.edge_sigma_px);
+    d.top_left = edge_on_unit_plane(camera, sample.top_left_u_px, sample.centre_px.y());
+    d.top_right = edge_on_unit_plane(camera, sample.top_right_u_px, sample.centre_px.y());
+    d.top_sigma = stated_or_default(sample.top_sigma_px);
     row.directions.push_back(d);
   }
   scale_sigmas(camera, row);

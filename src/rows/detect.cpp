@@ -40,23 +40,36 @@ double u_nearest(const RowLine& row, double v) {
       });
   return nearest->centre_px.x();
 }
+/// Where a row crosses the picture's middle row, or ends nearest to it.
+double middle_place(const RowLines& lines, const RowLine& row) {
+  const double v_middle = 0.5 * (lines.height - 1);
+  return u_at(row, v_middle).value_or(u_nearest(row, v_middle));
+}
+
+/// The row nearest the picture's middle column at its middle row.
+std::vector<RowLine>::iterator followed_row(RowLines& lines) {
+  const auto off = [&](const RowLine& row) {
+    return std::abs(middle_place(lines, row) - 0.5 * (lines.width - 1));
+  };
+  return std::min_element(lines.rows.begin(), lines.rows.end(),
+                          [&](const RowLine& a, const RowLine& b) { return off(a) < off(b); });
+}
 }  // namespace
 
 void index_rows(RowLines& lines) {
   if (lines.rows.empty()) return;
-  const double u_middle = 0.5 * (lines.width - 1), v_middle = 0.5 * (lines.height - 1);
-  const auto place = [&](const RowLine& row) {
-    return u_at(row, v_middle).value_or(u_nearest(row, v_middle));
-  };
-  std::stable_sort(lines.rows.begin(), lines.rows.end(),
-                   [&](const RowLine& a, const RowLine& b) { return place(a) < place(b); });
-  const auto followed =
-      std::min_element(lines.rows.begin(), lines.rows.end(), [&](const RowLine& a, const RowLine& b) {
-        return std::abs(place(a) - u_middle) < std::abs(place(b) - u_middle);
-      });
-  const int zero = static_cast<int>(followed - lines.rows.begin());
+  std::stable_sort(lines.rows.begin(), lines.rows.end(), [&](const RowLine& a, const RowLine& b) {
+    return middle_place(lines, a) < middle_place(lines, b);
+  });
+  const int zero = static_cast<int>(followed_row(lines) - lines.rows.begin());
   for (int i = 0; i < static_cast<int>(lines.rows.size()); ++i)
     lines.rows[static_cast<std::size_t>(i)].index = i - zero;
+}
+
+void count_from_followed(RowLines& lines) {
+  if (lines.rows.empty()) return;
+  const int zero = followed_row(lines)->index;
+  for (RowLine& row : lines.rows) row.index -= zero;
 }
 
 RowLines detect(const Image& picture, const DetectOptions& options) {

@@ -4,9 +4,11 @@
 #include <cmath>
 
 #include "furrow/base/text.h"
+#include "rows/edge_pencil.h"
 #include "rows/field_search.h"
 #include "rows/green_map.h"
 #include "rows/index_rows.h"
+#include "rows/leaf_edges.h"
 #include "rows/leaf_map.h"
 #include "rows/levelled.h"
 #include "rows/row_shape.h"
@@ -34,6 +36,46 @@ RowLine row_of(const CommonModel& model, int k, int width, const std::vector<dou
     row.samples.push_back(sample);
   }
   return row;
+}
+
+/// Every row that crosses the picture below the horizon, with its own centres and edges.
+std::vector<RowLine> shaped_rows(const GreenMap& map, const CommonModel& model, int width,
+                                 const std::vector<double>& sample_v) {
+  int first = 0, last = -1;
+  for (const double v : sample_v) {
+    if (model.field().scale(v) < 0.1) continue;
+    const Cut cut = model.at(v);
+    const int left = static_cast<int>(std::ceil(-cut.centre / cut.spacing));
+    const int right = static_cast<int>(std::floor((width - 1.0 - cut.centre) / cut.spacing));
+    first = last < first ? left : std::min(first, left);
+    last = std::max(last, right);
+  }
+  std::vector<RowLine> rows;
+  for (int k = first; k <= last; ++k) {
+    RowLine row = row_of(model, k, width, sample_v);
+    if (row.samples.size() >= 2) rows.push_back(std::move(row));
+  }
+  shape_rows(map, model, rows);
+  return rows;
+}
+
+/// The model with its rows straight towards `point`, where they are on the picture row that the search fits
+/// best. Row 0 becomes the followed one.
+CommonModel straightened(const CommonModel& model, const Eigen::Vector2d& point, int width, int height) {
+  const Cut cut = model.at(0.7 * height);
+  const PlanarField field = field_through(model.field(), point, cut.v, cut.centre, cut.spacing);
+  const double v_middle = 0.5 * (height - 1);
+  if (field.scale(v_middle) <= 0.0) return CommonModel(field);
+  const double followed = std::round(field.k_at(0.5 * (width - 1), v_middle));
+  return CommonModel(field_through(field, point, cut.v, cut.centre + followed * cut.spacing, cut.spacing));
+}
+
+/// The model with row 0 at row number `middle` and its spacing so many times as wide.
+CommonModel with_spacing(const CommonModel& model, double middle, double spacing) {
+  PlanarField field = model.field();
+  field.offset += middle * field.spacing;
+  field.spacing *= spacing;
+  return CommonModel(field);
 }
 
 FoundField in_map(const Previous& previous, const GreenMap& map) {
@@ -89,29 +131,26 @@ RowLines detect_level(const Image& picture, const DetectOptions& options) {
   if (!found) found = search_field(map, priors);
   if (!found || found->score < options.least_score)
     return no_rows(lines, found ? found->score : 0.0, options.least_score);
-  const CommonModel model(*found, map);
-  const PlanarField& field = model.field();
-  lines.field = field;
-  lines.vanishing_point_px = field.vanishing_point();
+  CommonModel model(*found, map);
   const auto sample_v = sample_rows(picture.height, std::min(options.sample_step_px, picture.height / 60.0));
-  // Rows that cross the picture below the horizon.
-  int first = 0, last = -1;
-  for (const double v : sample_v) {
-    if (field.scale(v) < 0.1) continue;
-    const Cut cut = model.at(v);
-    const int left = static_cast<int>(std::ceil(-cut.centre / cut.spacing));
-    const int right = static_cast<int>(std::floor((picture.width - 1.0 - cut.centre) / cut.spacing));
-    first = last < first ? left : std::min(first, left);
-    last = std::max(last, right);
-  }
-  for (int k = first; k <= last; ++k) {
-    RowLine row = row_of(model, k, picture.width, sample_v);
-    if (row.samples.size() >= 2) lines.rows.push_back(std::move(row));
-  }
   const bool is_fine = std::min(options.shape_pixels, 1.0 * picture.width * picture.height) <= kSearchPixels;
-  shape_rows(leaf_map(is_fine ? map : green_map(picture, options.shape_pixels), model, found->tooth), model,
-             lines.rows);
-  index_rows(lines);
+  const GreenMap fine =
+      leaf_map(is_fine ? map : green_map(picture, options.shape_pixels), model, found->tooth);
+  lines.rows = shaped_rows(fine, model, picture.width, sample_v);
+  const double u_middle = 0.5 * (picture.width - 1);
+  if (const auto point = meeting_point(lines.rows, options.priors, u_middle)) {
+    const double tilt = options.priors.horizon_slope.value_or(0.0);
+    model = straightened(model, *point, picture.width, picture.height);
+    lines.rows = shaped_rows(fine, model, picture.width, sample_v);
+    if (const auto tops = find_tops(fine, model, tilt, lines.rows)) {
+      model = with_spacing(model, tops->middle, tops->spacing);
+      lines.rows = shaped_rows(fine, model, picture.width, sample_v);
+      write_tops(*tops, model.field(), tilt, lines.rows);
+    }
+  }
+  lines.field = model.field();
+  lines.vanishing_point_px = model.field().vanishing_point();
+  count_from_followed(lines);
   if (lines.rows.empty()) return no_rows(lines, found->score, options.least_score);
   lines.status = "ok";
   lines.score = found->score;
@@ -134,6 +173,7 @@ RowLines detect_field(const Image& picture, const DetectOptions& options) {
   if (!(std::abs(slope) > kLeastSlope && std::abs(slope) < kMostSlope) || picture.empty())
     return detect_level(picture, options);
   DetectOptions level = options;
+  level.priors.horizon_slope.reset();
   level.sample_step_px = 0.5 * std::min(options.sample_step_px, 10.0);  // tilting may double a step
   RowLines lines = detect_level(levelled(picture, slope), level);
   tilt_back(lines, slope);

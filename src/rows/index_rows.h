@@ -12,4 +12,8 @@ std::vector<double> sample_rows(int height, double step_px);
 /// column there. Rows that do not reach the middle row are placed by their nearest sample.
 void index_rows(RowLines& lines);
 
+/// Shifts the indices of rows that a common model has numbered already so that the followed row is 0. Rows
+/// that leave the picture above its middle row keep their numbers, which their places would not tell.
+void count_from_followed(RowLines& lines);
+
 }  // namespace furrow::rows

@@ -35,10 +35,9 @@ class Tilt {
       if (!(ratio > kLeastRatio && ratio < kMostRatio)) return false;
       sample.centre_px.y() = v(at_level);
       // An edge runs along its row: on the centre's picture row it is nearer by the ratio.
-      sample.left_u_px = at_level.x() + (sample.left_u_px - at_level.x()) / ratio;
-      sample.right_u_px = at_level.x() + (sample.right_u_px - at_level.x()) / ratio;
-      sample.sigma_px /= ratio;
-      sample.edge_sigma_px /= ratio;
+      for (double* u : {&sample.left_u_px, &sample.right_u_px, &sample.top_left_u_px, &sample.top_right_u_px})
+        *u = at_level.x() + (*u - at_level.x()) / ratio;
+      for (double* sigma : {&sample.sigma_px, &sample.edge_sigma_px, &sample.top_sigma_px}) *sigma /= ratio;
       if (sample.centre_px.y() >= 0.0 && sample.centre_px.y() <= height_ - 1.0) kept.push_back(sample);
     }
     row.samples = std::move(kept);
@@ -86,7 +85,7 @@ void tilt_back(RowLines& lines, double slope) {
   const Tilt tilt(lines, slope);
   std::erase_if(lines.rows, [&](RowLine& row) { return !tilt.tilt(row); });
   if (lines.vanishing_point_px) lines.vanishing_point_px->y() = tilt.v(*lines.vanishing_point_px);
-  index_rows(lines);
+  count_from_followed(lines);
 }
 
 }  // namespace furrow::rows

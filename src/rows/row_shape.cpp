@@ -10,8 +10,8 @@
 namespace furrow::rows {
 namespace {
 
-constexpr std::size_t kBins = 192;  // of a profile across a row
-constexpr double kReach = 0.75;     // of a profile to each side, spacings: past the middle of the alley
+constexpr std::size_t kBins = 230;  // of a profile across a row
+constexpr double kReach = 0.90;  // of a profile to each side, spacings: to the foot of a wall seen from low
 constexpr double kBinWidth = 2.0 * kReach / static_cast<double>(kBins);
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
@@ -21,6 +21,9 @@ constexpr int kWindow = 8;
 
 /// Least contrast of excess green between row and alley: a leaf has 0.2 to 0.6, the noise of soil about 0.02.
 constexpr float kLeastContrast = 0.03F;
+/// And in parts of the row against the barest ground: leaves of the next row in its shade look less green by
+/// less than that.
+constexpr float kLeastPart = 0.3F;
 
 /// How far rows stray from the common model, and how well the middle of the green tells a row's middle, both
 /// one-sigma in spacings (train pictures of CRBD, development half).
@@ -108,8 +111,8 @@ std::vector<Profile> window_means(const std::vector<Profile>& profiles) {
   return means;
 }
 
-/// Mean of the lower (or upper) half of the values in an interval of x.
-std::optional<float> half_mean(const Profile& profile, double x_from, double x_to, bool lower) {
+/// Mean of the lowest (or highest) `part` of the values in an interval of x.
+std::optional<float> tail_mean(const Profile& profile, double x_from, double x_to, bool lower, double part) {
   std::vector<float> values;
   const auto first = static_cast<std::size_t>(std::clamp(std::ceil(bin_of(x_from)), 0.0, kBins - 1.0));
   const auto last = static_cast<std::size_t>(std::clamp(std::floor(bin_of(x_to)), 0.0, kBins - 1.0));
@@ -118,7 +121,7 @@ std::optional<float> half_mean(const Profile& profile, double x_from, double x_t
   if (values.size() < 2 || 2 * values.size() < last - first + 1) return std::nullopt;
   std::sort(values.begin(), values.end());
   if (!lower) std::reverse(values.begin(), values.end());
-  values.resize((values.size() + 1) / 2);
+  values.resize(static_cast<std::size_t>(std::ceil(part * static_cast<double>(values.size()))));
   float sum = 0.0F;
   for (const float value : values) sum += value;
   return sum / static_cast<float>(values.size());
@@ -137,18 +140,21 @@ struct Levels {
       kNone, kNone};  // half way between row and alley, left and right; NaN: that side is not seen
 };
 
-Levels levels_of(const Profile& profile) {
-  // The middle of the alley, where two rows meet last; and the core of the row, thin rows too.
-  constexpr double kAlleyFrom = 0.38, kAlleyTo = 0.62, kCore = 0.06;
+Levels levels_of(const Profile& profile, float barest) {
+  // From where rows end, at the narrowest, to past the middle of the alley: the ground may show in a part
+  // only, where the wall of the next row stands behind it. And the core of the row, thin rows too.
+  constexpr double kAlleyFrom = 0.26, kAlleyTo = 0.78, kAlleyPart = 0.3, kCore = 0.06, kCorePart = 0.5;
   Levels levels;
-  const auto row = half_mean(profile, -kCore, kCore, false);
+  const auto row = tail_mean(profile, -kCore, kCore, false, kCorePart);
   if (!row) return levels;
   levels.row = *row;
-  const std::array alley = {half_mean(profile, -kAlleyTo, -kAlleyFrom, true),
-                            half_mean(profile, kAlleyFrom, kAlleyTo, true)};
+  const std::array alley = {tail_mean(profile, -kAlleyTo, -kAlleyFrom, true, kAlleyPart),
+                            tail_mean(profile, kAlleyFrom, kAlleyTo, true, kAlleyPart)};
   for (std::size_t side = 0; side < 2; ++side) {
     // A side without a visible alley borrows nothing: its edge stays unknown.
-    if (!alley[side] || levels.row - *alley[side] < kLeastContrast) continue;
+    if (!alley[side] ||
+        levels.row - *alley[side] < std::max(kLeastContrast, kLeastPart * (levels.row - barest)))
+      continue;
     levels.middle[side] = 0.5F * (levels.row + *alley[side]);
   }
   return levels;
@@ -166,26 +172,56 @@ double mixing_shift(double r) {
 /// one-sigma and the halved chroma of JPEG, as the box of the same variance: sqrt(12 (1/12 + 0.36 + 4/12)).
 constexpr double kMixedPx = 3.0;
 
+constexpr double kFarthest = 0.85;  // spacings from a row's centre: where its edge is looked for
+constexpr int kSteps = static_cast<int>(kFarthest / kBinWidth);
+
+/// Bin `i` steps outwards from a row's centre.
+float outwards(const Profile& profile, int side, int i) {
+  const int half = static_cast<int>(kBins) / 2;
+  return profile[static_cast<std::size_t>(side == 0 ? half - 1 - i : half + i)];
+}
+
+/// Steps to the far side of the first gap beside a row. From low above, the wall of the next row stands
+/// behind a narrow alley; it is green again and not this row.
+int gap_end(const Profile& profile, int side, float middle) {
+  constexpr int kLeast = 3;  // bins: less is a hole
+  int below = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const bool is_below = outwards(profile, side, i) < middle;
+    if (!is_below && below >= kLeast) return i;
+    below = is_below ? below + 1 : 0;
+  }
+  return kSteps;
+}
+
+/// Where to look for an edge: between which levels, and how far out.
+struct EdgeSearch {
+  float middle = kNone;
+  int steps = kSteps;
+};
+
+EdgeSearch search_for(const Profile& profile, int side, const Levels& levels) {
+  const float middle = levels.middle[static_cast<std::size_t>(side)];
+  return {middle, std::isnan(middle) ? 0 : gap_end(profile, side, middle)};
+}
+
 /// Distance of an edge from the model's centre, spacings, positive outwards: the most likely place of a step
 /// between two known levels is where the running sum of (value - middle level) from the centre outwards is
 /// greatest. Sub-bin by the crossing next to it.
-std::optional<double> edge_of(const Profile& profile, int side, float middle) {
+std::optional<double> edge_of(const Profile& profile, int side, const EdgeSearch& search) {
+  const auto [middle, steps] = search;
   if (std::isnan(middle)) return std::nullopt;
-  constexpr double kFarthest = 0.62;  // spacings
-  const int direction = side == 0 ? -1 : 1;
-  const int start = direction > 0 ? static_cast<int>(kBins) / 2 : static_cast<int>(kBins) / 2 - 1;
-  const int steps = static_cast<int>(kFarthest / kBinWidth);
   float sum = 0.0F, best = 0.0F;
   int last_inside = -1;
   for (int i = 0; i < steps; ++i) {
-    const float value = profile[static_cast<std::size_t>(start + direction * i)];
+    const float value = outwards(profile, side, i);
     if (std::isnan(value)) return std::nullopt;
     sum += value - middle;
     if (sum > best) best = sum, last_inside = i;
   }
   if (last_inside < 0 || last_inside + 1 >= steps) return std::nullopt;
-  const float inside = profile[static_cast<std::size_t>(start + direction * last_inside)];
-  const float outside = profile[static_cast<std::size_t>(start + direction * (last_inside + 1))];
+  const float inside = outwards(profile, side, last_inside),
+              outside = outwards(profile, side, last_inside + 1);
   const double part = inside > outside ? static_cast<double>((inside - middle) / (inside - outside)) : 0.5;
   return (last_inside + 0.5 + std::clamp(part, 0.0, 1.0)) * kBinWidth;
 }
@@ -235,25 +271,42 @@ Light window_light(const std::vector<Light>& lights, std::size_t at) {
   return sum.count > 0 ? sum : Light{};
 }
 
+/// Greenness of the barest ground below the horizon: its lowest twentieth.
+float barest_ground(const GreenMap& map, const PlanarField& field) {
+  constexpr std::size_t kSparse = 37;  // one pixel of so many is enough for a quantile
+  std::vector<float> values;
+  for (std::size_t i = 0; i < map.value.size(); i += kSparse) {
+    const int row = static_cast<int>(i / static_cast<std::size_t>(map.width));
+    if (field.scale(map.v_in_picture(row)) > 0.1) values.push_back(map.value[i]);
+  }
+  if (values.empty()) return 0.0F;
+  const auto low = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 20);
+  std::nth_element(values.begin(), low, values.end());
+  return *low;
+}
+
 Measured measure(const GreenMap& map, const CommonModel& model, const RowLine& row,
-                 const std::vector<Profile>& profiles) {
+                 const std::vector<Profile>& profiles, float barest) {
   Measured measured;
   const std::vector<Profile> means = window_means(profiles);
   std::vector<Light> lights;
+  std::vector<std::array<EdgeSearch, 2>> searches(profiles.size());
   for (std::size_t j = 0; j < profiles.size(); ++j) {
-    const Levels levels = levels_of(means[j]);
+    const Levels levels = levels_of(means[j], barest);
+    for (int side = 0; side < 2; ++side)
+      searches[j][static_cast<std::size_t>(side)] = search_for(means[j], side, levels);
     lights.push_back(sample_light(map, model, row.index, row.samples[j].centre_px.y(),
-                                  edge_of(means[j], 0, levels.middle[0]),
-                                  edge_of(means[j], 1, levels.middle[1])));
+                                  edge_of(means[j], 0, searches[j][0]),
+                                  edge_of(means[j], 1, searches[j][1])));
   }
   std::array<std::vector<double>, 2> residuals;
   for (std::size_t j = 0; j < profiles.size(); ++j) {
-    const Levels levels = levels_of(means[j]);
     const Light light = window_light(lights, j);
     const double spacing = model.at(row.samples[j].centre_px.y()).spacing;
     for (std::size_t side = 0; side < 2; ++side) {
-      auto smooth = edge_of(means[j], static_cast<int>(side), levels.middle[side]);
-      auto own = smooth ? edge_of(profiles[j], static_cast<int>(side), levels.middle[side]) : std::nullopt;
+      const int on = static_cast<int>(side);
+      auto smooth = edge_of(means[j], on, searches[j][side]);
+      auto own = smooth ? edge_of(profiles[j], on, searches[j][side]) : std::nullopt;
       if (light.row > 0.0F && light.ground[side] > 0.0F) {
         const double mixed_px = std::hypot(kMixedPx, map.scale_u);
         const double shift =
@@ -365,6 +418,7 @@ void shape_rows(const GreenMap& map, const CommonModel& model, std::vector<RowLi
       0.25 * map.scale_u;  // a quarter of a map's pixel: what a step's place is worth after area averaging
   const double v_middle = 0.5 * (map.height * map.scale_v - 1.0);
   const std::vector<float> sums = running_sums(map);
+  const float barest = barest_ground(map, model.field());
   std::vector<Profile> profiles;
   for (RowLine& row : rows) {
     if (row.samples.size() < 2) continue;
@@ -374,7 +428,7 @@ void shape_rows(const GreenMap& map, const CommonModel& model, std::vector<RowLi
       const double v = sample.centre_px.y();
       profiles.push_back(sample_profile(map, sums, model, row.index, v - 0.5 * step, v + 0.499 * step));
     }
-    const Measured measured = measure(map, model, row, profiles);
+    const Measured measured = measure(map, model, row, profiles, barest);
     row.half_width_px = half_width_at(measured, model, v_middle, px_floor, row);
     write_samples(measured, model, px_floor, row);
   }

@@ -16,6 +16,8 @@ struct Cut {
 class CommonModel {
  public:
   CommonModel(const FoundField& found, const GreenMap& search_map);
+  /// Straight rows that keep to the plane.
+  explicit CommonModel(const PlanarField& field) : field_(field) {}
   const PlanarField& field() const { return field_; }
   /// Only below the horizon.
   Cut at(double v) const;

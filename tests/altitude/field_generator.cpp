@@ -196,6 +196,7 @@ FieldKnowledge knowledge_of(const World& world, double relative_sigma) {
   field.row_spacing_m = known(world.spacing_m);
   field.half_width_m = known(world.half_width_m);
   field.row_height_m = {1.7, 0.05, 1};
+  field.outline_rise_m = {0.0, 0.0, 1};  // prisms end where they end
   field.foliage_depth_m = known(world.foliage_depth_m);
   field.base_width_ratio = known(world.base_half_width_m / world.half_width_m);
   return field;

@@ -61,6 +61,7 @@ const Noise kNoise{
 FlightOptions level_ground() {
   FlightOptions options;
   options.angle_noise_rad = deg_to_rad(0.2);
+  options.shots_per_stretch = 1.0;  // each shot draws its own plants here
   return options;
 }
 
@@ -84,6 +85,7 @@ TEST(Arrow, InverseEqualsTheDenseOne) {
   full += 20.0 * Eigen::MatrixXd::Identity(size, size);
   for (auto& block : arrow.diagonal) block += 20.0 * Eigen::MatrixXd::Identity(n, n);
   arrow.corner = full.bottomRightCorner(m, m);
+  arrow.corner_prior = Eigen::MatrixXd::Zero(m, m);
   const Eigen::MatrixXd expected = full.inverse();
   const auto inverse = invert(arrow);
   ASSERT_TRUE(inverse);

@@ -45,6 +45,7 @@ Trial draw(const Case& c, base::Random& random) {
   t.field.row_spacing_m = drawn(3.0, 0.03, random);
   t.field.half_width_m = drawn(t.world.half_width_m, 0.06, random);
   t.field.row_height_m = {1.7, 0.05, 1};
+  t.field.outline_rise_m = {0.0, 0.0, 1};
   t.field.planting_sigma_m = 0.03;
   t.field.growth_sigma_m = 0.03;
   t.prior.pitch_rad = drawn(t.world.attitude.pitch_rad, deg_to_rad(1.0), random);

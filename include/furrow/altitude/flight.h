@@ -28,6 +28,10 @@ struct FlightOptions {
   /// part). Default 0.3 deg: logs give 0.1 deg steps, gimbals hold to 0.2 deg, and a picture averages the
   /// ground over ten metres and more.
   double angle_noise_rad = 0.0052;
+  /// So many shots in a row see much the same plants, whose own shapes then do not average out: the sigmas of
+  /// all that is common to the flight grow by its root. Default: a shot every metre or two, and the nearest
+  /// six metres of the rows tell most. 1 for shots that share no plants.
+  double shots_per_stretch = 4.0;
   /// One-sigma of the slope of the rows' plane along the flight, common to all shots, in the direction of
   /// travel. 0: the pitch bias then includes the slope, which a flight one way cannot tell from it. Give it
   /// when shots look both ways (ShotInput::direction).

@@ -29,8 +29,8 @@ Result<SpacingHeight> from_spacing(const RowsOnUnitPlane& rows, const FieldKnowl
 
 /// One cause's share of a height's uncertainty; the squares of all shares add up to the square of the sigma.
 struct SigmaShare {
-  /// picture, plants, spacing, half_width, foliage, pitch, roll, focal, distortion; in a flight also terrain
-  /// (its mean slope) and other (the other shots' noise and the log's steps).
+  /// picture, plants, spacing, half_width, foliage, pitch, roll, focal, distortion, outline; in a flight also
+  /// terrain (its mean slope) and other (the other shots' noise and the log's steps).
   std::string cause;
   double sigma_m = 0.0;  ///< negative where a correlation takes away from the sum
 };
@@ -45,6 +45,9 @@ struct RefinedShot {
   /// roll, pitch). Equal to yaw_rad without roll, and sound at nadir too.
   Estimate heading_rad;
   Estimate cross_track_m;  ///< camera left of row 0
+  /// What is added to the height above the rows' outline to give height_above_canopy_m
+  /// (FieldKnowledge::outline_rise_m).
+  Estimate outline_rise_m;
   Estimate row_spacing_m;
   Estimate half_width_m;
   Estimate foliage_depth_m;

@@ -18,6 +18,9 @@ struct RowDirection {
   double sigma = 0.0;
   std::optional<Eigen::Vector2d> left, right;  ///< edges of the visible row
   double edge_sigma = std::numeric_limits<double>::quiet_NaN();
+  /// Far edges of the top against leaves; their sigma is common to the row.
+  std::optional<Eigen::Vector2d> top_left = {}, top_right = {};
+  double top_sigma = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// All that a picture knows: angles, no metres. The hinge between what is seen and what the farm knows.

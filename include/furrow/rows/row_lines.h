@@ -19,6 +19,11 @@ struct RowSample {
   double left_u_px = std::numeric_limits<double>::quiet_NaN();
   double right_u_px = std::numeric_limits<double>::quiet_NaN();
   double edge_sigma_px = std::numeric_limits<double>::quiet_NaN();
+  /// The far edge of the row's top where leaves of the next row stand behind it, told by its light; NaN where
+  /// it was not found. On the left of rows left of the followed one, on the right of the others.
+  double top_left_u_px = std::numeric_limits<double>::quiet_NaN();
+  double top_right_u_px = std::numeric_limits<double>::quiet_NaN();
+  double top_sigma_px = std::numeric_limits<double>::quiet_NaN();  ///< common to all samples of the row
   /// False where only the common field model carries the row: outside the picture, or nothing green near it.
   bool seen = true;
 };

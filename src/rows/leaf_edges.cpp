@@ -1,0 +1,374 @@
+#include "rows/leaf_edges.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <Eigen/Cholesky>
+#include <optional>
+
+#include "furrow/stats/estimate.h"
+#include "furrow/stats/robust.h"
+
+namespace furrow::rows {
+namespace {
+
+constexpr int kBlocks = 8;               // independent parts of a picture, for the sigma of a place
+constexpr double kReach = 4.5;           // row numbers to each side that are looked at
+constexpr double kBin = 0.02;            // row numbers
+constexpr int kBins = 450;               // 2 kReach / kBin
+constexpr int kArm = 6;                  // bins of light compared on each side of an edge
+constexpr double kLeastScale = 0.10;     // farther off a spacing has too few pixels
+constexpr double kMeetingSigmaPx = 2.0;  // how well edges of leaves tell where rows meet
+constexpr int kRows = 3;                 // beside the followed one; beyond, a row's top is a few pixels
+/// Log light of all that is not leaf, against the typical leaf: darker than any, so that ground beyond a top
+/// counts as its end like a wall in shade.
+constexpr float kGround = -0.7F;
+
+/// Light by real-valued row number, for each block of picture rows: sums and counts. Lines parallel to the
+/// rows keep their number in any perspective, whatever their height.
+struct LightByRow {
+  std::array<std::array<float, kBins>, kBlocks> sum{}, count{};
+};
+
+/// The field with a tilted horizon: row number k lies at u = u_vp + (v - v_vp) m / (1 + tilt m).
+struct Fan {
+  Eigen::Vector2d point;
+  double per_row = 1.0, zero = 0.0, tilt = 0.0;
+
+  double u_at(double v, double k) const {
+    const double m = zero + k * per_row;
+    return point.x() + (v - point.y()) * m / (1.0 + tilt * m);
+  }
+};
+
+std::optional<Fan> fan_of(const PlanarField& field, double tilt) {
+  const auto point = field.vanishing_point();
+  if (!point) return std::nullopt;
+  const double steepness = field.convergence / field.length;
+  return Fan{*point, field.spacing * steepness, field.offset * steepness + field.slope / field.length, tilt};
+}
+
+float upper_tenth(std::vector<float>& values) {
+  const auto top = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 9 / 10);
+  std::nth_element(values.begin(), top, values.end());
+  return *top;
+}
+
+/// Log light of every pixel that is green, against the median of all that are; kGround for the rest.
+std::vector<float> leaf_light(const GreenMap& map) {
+  constexpr std::size_t kSparse = 97;  // one pixel of so many is enough for a quantile
+  constexpr float kDark = 30.0F;       // the noise of black pixels, as in green_map
+  // Part of the greenest pixels' greenness below which nothing is a leaf of the crop, and above which all is:
+  // grass has about half.
+  constexpr float kLeastGreen = 0.5F, kFullGreen = 0.85F;
+  std::vector<float> greens;
+  std::vector<double> lights;
+  for (std::size_t i = 0; i < map.value.size(); i += kSparse) greens.push_back(map.value[i]);
+  const float full = upper_tenth(greens), least = kLeastGreen * full;
+  std::vector<float> result(map.value.size());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i] = std::log(static_cast<float>(map.light[i]) + kDark);
+    if (i % kSparse == 0 && map.value[i] > least) lights.push_back(static_cast<double>(result[i]));
+  }
+  const float typical = lights.empty() ? 0.0F : static_cast<float>(stats::median(lights));
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const float leaf =
+        std::clamp((map.value[i] / full - kLeastGreen) / (kFullGreen - kLeastGreen), 0.0F, 1.0F);
+    result[i] = leaf * std::clamp(result[i] - typical, kGround, -kGround) + (1.0F - leaf) * kGround;
+  }
+  return result;
+}
+
+LightByRow light_by_row(const GreenMap& map, const PlanarField& field, const Fan& fan) {
+  LightByRow light;
+  const std::vector<float> leaves = leaf_light(map);
+  const int strip = std::max(1, map.height / 45);
+  std::vector<float> sums(static_cast<std::size_t>(map.width) + 1);
+  for (int row = 0; row < map.height; ++row) {
+    const double v = map.v_in_picture(row);
+    if (field.scale(v) < kLeastScale) continue;
+    const float* in = leaves.data() + static_cast<std::ptrdiff_t>(row) * map.width;
+    for (std::size_t u = 0; u < static_cast<std::size_t>(map.width); ++u) sums[u + 1] = sums[u] + in[u];
+    const auto block = static_cast<std::size_t>((row / strip) % kBlocks);
+    const auto sum_to = [&](double x) {
+      const auto i = std::min(static_cast<std::size_t>(x), static_cast<std::size_t>(map.width) - 1);
+      return sums[i] + static_cast<float>(x - static_cast<double>(i)) * in[i];
+    };
+    double before = -1.0;
+    for (int i = 0; i <= kBins; ++i) {
+      const double border = (fan.u_at(v, i * kBin - kReach) + 0.5) / map.scale_u;
+      const bool inside = border >= 0.0 && border <= map.width;
+      // Each picture row has one vote in a bin: its mean.
+      if (inside && before >= 0.0 && border > before) {
+        light.sum[block][static_cast<std::size_t>(i - 1)] +=
+            (sum_to(border) - sum_to(before)) / static_cast<float>(border - before);
+        light.count[block][static_cast<std::size_t>(i - 1)] += 1.0F;
+      }
+      before = inside ? border : -1.0;
+    }
+  }
+  return light;
+}
+
+/// How much the light drops at each bin's outer border, away from the followed row on the given side.
+using Drop = std::array<float, kBins>;
+
+struct MeanLight {
+  std::array<float, kBins> mean{};
+  std::array<bool, kBins> there{};
+};
+
+/// Without block `left_out` (-1: with all).
+MeanLight mean_light(const LightByRow& light, int left_out) {
+  MeanLight result;
+  for (std::size_t i = 0; i < kBins; ++i) {
+    float sum = 0.0F, count = 0.0F;
+    for (int b = 0; b < kBlocks; ++b) {
+      if (b == left_out) continue;
+      sum += light.sum[static_cast<std::size_t>(b)][i], count += light.count[static_cast<std::size_t>(b)][i];
+    }
+    result.there[i] = count > 0.0F;
+    result.mean[i] = count > 0.0F ? sum / count : 0.0F;
+  }
+  return result;
+}
+
+Drop drop_of(const MeanLight& light, int direction) {
+  Drop drop{};
+  for (int i = kArm; i + kArm < kBins; ++i) {
+    float inner = 0.0F, outer = 0.0F;
+    int n = 0;
+    for (int j = 0; j < kArm; ++j) {
+      const auto in = static_cast<std::size_t>(direction > 0 ? i - j : i + 1 + j);
+      const auto out = static_cast<std::size_t>(direction > 0 ? i + 1 + j : i - j);
+      inner += light.mean[in], outer += light.mean[out], n += light.there[in] + light.there[out];
+    }
+    if (n == 2 * kArm) drop[static_cast<std::size_t>(i)] = (inner - outer) / kArm;
+  }
+  return drop;
+}
+
+/// Row number at the outer border of bin i.
+double place_of(double bin) {
+  return (bin + 1.0) * kBin - kReach;
+}
+double bin_at(double place) {
+  return (place + kReach) / kBin - 1.0;
+}
+
+float value_at(const Drop& drop, double place) {
+  const int i = static_cast<int>(std::lround(bin_at(place)));
+  return i >= 0 && i < kBins ? drop[static_cast<std::size_t>(i)] : 0.0F;
+}
+
+/// Where the drop is largest within `reach` of a place, sub-bin by a parabola; nothing where it does not
+/// drop.
+std::optional<double> peak_near(const Drop& drop, double place, double reach) {
+  const int from = std::max(1, static_cast<int>(std::ceil(bin_at(place - reach))));
+  const int to = std::min(kBins - 2, static_cast<int>(std::floor(bin_at(place + reach))));
+  int best = -1;
+  for (int i = from; i <= to; ++i) {
+    if (drop[static_cast<std::size_t>(i)] > (best < 0 ? 0.0F : drop[static_cast<std::size_t>(best)]))
+      best = i;
+  }
+  if (best < 0) return std::nullopt;
+  const auto i = static_cast<std::size_t>(best);
+  const double a = static_cast<double>(drop[i - 1]), b = static_cast<double>(drop[i]),
+               c = static_cast<double>(drop[i + 1]);
+  const double bow = a - 2.0 * b + c;
+  return place_of(best + (bow < 0.0 ? std::clamp(0.5 * (a - c) / bow, -0.5, 0.5) : 0.0));
+}
+
+struct Side : MeanLight {
+  int direction = 1;
+  Drop all{};
+  std::array<Drop, kBlocks> without{};
+
+  Side(const LightByRow& light, int towards)
+      : MeanLight(mean_light(light, -1)), direction(towards), all(drop_of(*this, towards)) {
+    for (int b = 0; b < kBlocks; ++b)
+      without[static_cast<std::size_t>(b)] = drop_of(mean_light(light, b), towards);
+  }
+  /// Standard error of the drop at a place, by leaving out each block (Tukey's jackknife).
+  float sigma_at(double place) const {
+    float middle = 0.0F, squares = 0.0F;
+    for (const Drop& one : without) middle += value_at(one, place) / kBlocks;
+    for (const Drop& one : without)
+      squares += (value_at(one, place) - middle) * (value_at(one, place) - middle);
+    return std::sqrt(squares * (kBlocks - 1) / kBlocks);
+  }
+};
+
+/// Where edges against the ground lie, in row numbers: the followed row's, and the near edges of the rows
+/// beside it.
+struct GroundEdges {
+  double middle = 0.0, half_width = 0.0;
+  double near = 0.0;  ///< mean distance of the neighbours' near edges from the middle
+};
+
+std::optional<double> median_place(const RowLine& row, const CommonModel& model, double RowSample::*edge) {
+  constexpr std::size_t kLeast = 8;  // samples
+  std::vector<double> places;
+  for (const RowSample& sample : row.samples) {
+    const Cut cut = model.at(sample.centre_px.y());
+    if (std::isfinite(sample.*edge)) places.push_back((sample.*edge - cut.centre) / cut.spacing);
+  }
+  return places.size() >= kLeast ? std::optional(stats::median(places)) : std::nullopt;
+}
+
+std::optional<GroundEdges> ground_edges(const std::vector<RowLine>& rows, const CommonModel& model) {
+  std::optional<double> left, right, near_left, near_right;
+  for (const RowLine& row : rows) {
+    if (row.index == 0) {
+      left = median_place(row, model, &RowSample::left_u_px);
+      right = median_place(row, model, &RowSample::right_u_px);
+    }
+    if (row.index == -1) near_left = median_place(row, model, &RowSample::right_u_px);
+    if (row.index == 1) near_right = median_place(row, model, &RowSample::left_u_px);
+  }
+  if (!left || !right || !(near_left || near_right)) return std::nullopt;
+  GroundEdges edges;
+  edges.middle = 0.5 * (*left + *right);
+  edges.half_width = 0.5 * (*right - *left);
+  const double to_left = near_left ? edges.middle - *near_left : *near_right - edges.middle;
+  const double to_right = near_right ? *near_right - edges.middle : to_left;
+  edges.near = 0.5 * (to_left + to_right);
+  if (!(edges.half_width > 0.0 && edges.near > edges.half_width)) return std::nullopt;
+  return edges;
+}
+
+/// Drop over its standard error, limited softly, so that one sharp edge does not outweigh a comb of three.
+double evidence(const Side& side, double place) {
+  constexpr double kLeastSigma = 0.01, kSoft = 6.0;
+  const double drop = static_cast<double>(value_at(side.all, place));
+  if (drop <= 0.0) return 0.0;
+  const double z = drop / std::hypot(static_cast<double>(side.sigma_at(place)), kLeastSigma);
+  return z / (1.0 + z / kSoft);
+}
+
+/// How the light runs from one far edge (0) to the next (1): dark at the foot of the wall, lighter up to the
+/// near edge of the top, level over the top, which takes `top` of the spacing.
+double light_at(double phase, double top) {
+  return std::min(1.0, phase / (1.0 - top));
+}
+
+/// Sums of squares of light on one side: after a straight trend, and what a comb explains of it.
+struct Explained {
+  double total = 0.0, comb = 0.0;
+};
+
+Explained explained(const Side& side, const GroundEdges& ground, double spacing) {
+  const double from = ground.near + 0.05, top = 2.0 * ground.half_width / spacing;
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  double squares = 0.0;
+  for (int i = 0; i < kBins; ++i) {
+    if (!side.there[static_cast<std::size_t>(i)]) continue;
+    const double away = side.direction * (place_of(i - 0.5) - ground.middle);
+    if (away < from) continue;
+    const double periods = (away - ground.half_width) / spacing, phase = periods - std::floor(periods);
+    const Eigen::Vector3d terms(1.0, away, light_at(phase, top));
+    const double value = static_cast<double>(side.mean[static_cast<std::size_t>(i)]);
+    normal += terms * terms.transpose();
+    right += value * terms;
+    squares += value * value;
+  }
+  const Eigen::Vector2d trend = normal.topLeftCorner<2, 2>().ldlt().solve(right.head<2>());
+  const Eigen::Vector3d all = normal.ldlt().solve(right);
+  if (!all.allFinite() || !trend.allFinite()) return {};
+  const double total = squares - trend.dot(right.head<2>());
+  return {total, all[2] > 0.0 ? total - (squares - all.dot(right)) : 0.0};
+}
+
+/// Spacing of the tops in row numbers of the model. A neighbour's near edge, at the top or at the foot of a
+/// wall, lies at least a width before the top's far edge; and at least as far as the foot of a wall a little
+/// deeper than the camera is high.
+std::optional<double> top_spacing(const std::array<Side, 2>& sides, const GroundEdges& ground) {
+  constexpr double kStep = 0.01, kDeepestWall = 1.3, kMostStretch = 2.2, kLeastExplained = 0.2;
+  const double from = ground.near + 0.8 * ground.half_width;
+  const double to = std::min((1.0 + kDeepestWall) * ground.near + ground.half_width, kMostStretch);
+  double best = kLeastExplained;
+  std::optional<double> spacing;
+  for (double s = from; s <= to; s += kStep) {
+    Explained sum;
+    for (const Side& side : sides) {
+      const Explained one = explained(side, ground, s);
+      sum.total += one.total, sum.comb += one.comb;
+    }
+    if (sum.comb > best * sum.total) best = sum.comb / sum.total, spacing = s;
+  }
+  return spacing;
+}
+
+std::optional<Estimate> edge_near(const Side& side, double place, double reach) {
+  constexpr double kLeastEvidence = 2.4;  // a drop of four sigmas
+  constexpr double kFinest = 0.01;        // row numbers: a leaf
+  const auto peak = peak_near(side.all, place, reach);
+  if (!peak || evidence(side, *peak) < kLeastEvidence) return std::nullopt;
+  double mean = 0.0, squares = 0.0;
+  std::array<double, kBlocks> places{};
+  for (std::size_t b = 0; b < kBlocks; ++b) {
+    places[b] = peak_near(side.without[b], place, reach).value_or(place);
+    mean += places[b] / kBlocks;
+  }
+  for (const double one : places) squares += (one - mean) * (one - mean);
+  const double sigma = std::sqrt(squares * (kBlocks - 1) / kBlocks);
+  if (sigma > 0.5 * reach) return std::nullopt;
+  return Estimate{*peak, std::hypot(sigma, kFinest), kBlocks};
+}
+
+}  // namespace
+
+std::optional<TopComb> find_tops(const GreenMap& map, const CommonModel& model, double tilt,
+                                 const std::vector<RowLine>& rows) {
+  if (map.light.empty()) return std::nullopt;
+  const auto fan = fan_of(model.field(), tilt);
+  const auto ground = ground_edges(rows, model);
+  if (!fan || !ground) return std::nullopt;
+  const LightByRow light = light_by_row(map, model.field(), *fan);
+  const std::array sides = {Side(light, -1), Side(light, 1)};
+  const auto spacing = top_spacing(sides, *ground);
+  if (std::getenv("LEAF")) {
+    std::printf("  comb: middle %.3f hw %.3f near %.3f spacing %.3f\n", ground->middle, ground->half_width,
+                ground->near, spacing.value_or(0));
+    for (double s = 0.6; s < 1.8; s += 0.04) {
+      Explained e0 = explained(sides[0], *ground, s), e1 = explained(sides[1], *ground, s);
+      double score = 100 * (e0.comb + e1.comb) / (e0.total + e1.total);
+      std::printf("   %.2f:%.0f", s, score);
+    }
+    std::printf("\n");
+  }
+  if (!spacing) return std::nullopt;
+  TopComb comb;
+  comb.middle = ground->middle;
+  comb.spacing = *spacing;
+  for (const Side& side : sides) {
+    for (int k = 1; k <= kRows; ++k) {
+      const double place = ground->middle + side.direction * (k * *spacing + ground->half_width);
+      const double reach = std::min(0.8 * ground->half_width, 0.2 * *spacing);
+      if (const auto edge = edge_near(side, place, reach)) comb.edges.push_back({side.direction * k, *edge});
+    }
+  }
+  return comb;
+}
+
+void write_tops(const TopComb& comb, const PlanarField& field, double tilt, std::vector<RowLine>& rows) {
+  const auto fan = fan_of(field, tilt);
+  if (!fan) return;
+  for (const TopEdge& edge : comb.edges) {
+    for (RowLine& row : rows) {
+      if (row.index != edge.row) continue;
+      const auto top = edge.row < 0 ? &RowSample::top_left_u_px : &RowSample::top_right_u_px;
+      for (RowSample& sample : row.samples) {
+        const double v = sample.centre_px.y();
+        if (field.scale(v) < kLeastScale) continue;
+        const double place = (edge.place.value - comb.middle) / comb.spacing;
+        sample.*top = fan->u_at(v, place);
+        sample.top_sigma_px =
+            std::hypot(edge.place.sigma / comb.spacing * field.spacing_at(v), kMeetingSigmaPx);
+      }
+    }
+  }
+}
+
+}  // namespace furrow::rows

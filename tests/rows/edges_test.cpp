@@ -1,0 +1,156 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "furrow/base/random.h"
+#include "rows/edge_pencil.h"
+#include "rows/index_rows.h"
+#include "rows/leaf_edges.h"
+
+namespace furrow::rows {
+namespace {
+
+constexpr int kWidth = 640, kHeight = 480;
+const Eigen::Vector2d kMeet(330.0, -40.0);
+
+/// Rows whose edges run to `kMeet`, with their places on the bottom row and noise.
+RowLine straight_row(int index, double left, double right, double noise, base::Random& random) {
+  RowLine row;
+  row.index = index;
+  for (double v = 20.0; v < kHeight; v += 10.0) {
+    const double part = (v - kMeet.y()) / (kHeight - 1.0 - kMeet.y());
+    RowSample sample;
+    sample.left_u_px = kMeet.x() + part * (left - kMeet.x()) + random.normal(0.0, noise);
+    sample.right_u_px = kMeet.x() + part * (right - kMeet.x()) + random.normal(0.0, noise);
+    sample.centre_px = {0.5 * (sample.left_u_px + sample.right_u_px), v};
+    sample.edge_sigma_px = 1.0;
+    row.samples.push_back(sample);
+  }
+  return row;
+}
+
+Priors horizon_at(double v, double sigma) {
+  Priors priors;
+  priors.horizon_v_px = v;
+  priors.horizon_sigma_px = sigma;
+  return priors;
+}
+
+TEST(MeetingPoint, EdgesOutweighAWrongHorizonAndAWrongEdge) {
+  base::Random random(4);
+  std::vector<RowLine> rows = {straight_row(-1, 40.0, 120.0, 1.0, random),
+                               straight_row(0, 280.0, 360.0, 1.0, random),
+                               straight_row(1, 520.0, 600.0, 1.0, random)};
+  // An edge that follows something else: it misses the point by a hundred pixels.
+  for (RowSample& sample : rows[2].samples) sample.right_u_px += 0.3 * (sample.centre_px.y() - 240.0);
+  const auto point = meeting_point(rows, horizon_at(kMeet.y() + 12.0, 15.0), 0.5 * (kWidth - 1));
+  ASSERT_TRUE(point.has_value());
+  EXPECT_NEAR(point->x(), kMeet.x(), 2.0);
+  EXPECT_NEAR(point->y(), kMeet.y(), 4.0);
+}
+
+TEST(MeetingPoint, NothingWithoutHorizonOrAgainstIt) {
+  base::Random random(5);
+  const std::vector<RowLine> rows = {straight_row(0, 280.0, 360.0, 0.5, random),
+                                     straight_row(1, 520.0, 600.0, 0.5, random)};
+  EXPECT_FALSE(meeting_point(rows, Priors{}, 319.5).has_value());
+  EXPECT_FALSE(meeting_point({rows[0]}, horizon_at(kMeet.y(), 15.0), 319.5).has_value());
+  EXPECT_FALSE(meeting_point(rows, horizon_at(kMeet.y() + 80.0, 10.0), 319.5).has_value());
+}
+
+PlanarField field_of_map() {
+  PlanarField anchor;
+  anchor.u0 = 0.5 * (kWidth - 1), anchor.v0 = kHeight - 1.0, anchor.length = kHeight;
+  return field_through(anchor, kMeet, kHeight - 1.0, 320.0, 240.0);
+}
+
+TEST(FieldThrough, MeetsThePointAndKeepsItsRows) {
+  const PlanarField field = field_of_map();
+  ASSERT_TRUE(field.vanishing_point().has_value());
+  EXPECT_NEAR((*field.vanishing_point() - kMeet).norm(), 0.0, 1e-9);
+  EXPECT_NEAR(field.u_at(kHeight - 1.0, 0.0), 320.0, 1e-9);
+  EXPECT_NEAR(field.u_at(kHeight - 1.0, 1.0), 560.0, 1e-9);
+}
+
+/// A canopy seen from low above: soil beside the followed row, then nothing but leaves, whose light drops at
+/// each far edge and grows again to the next. `spacing` is the tops', in row numbers of field_of_map.
+GreenMap low_view(double spacing, double half_width, double contrast) {
+  const PlanarField field = field_of_map();
+  base::Random random(6);
+  GreenMap map;
+  map.width = kWidth, map.height = kHeight;
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const double k = std::abs(field.k_at(u, v)) / spacing;
+      const bool soil = k > half_width && k < 0.45;
+      const double phase = k - half_width - std::floor(k - half_width);
+      const double light = k < half_width ? 1.0 : std::min(1.0, phase / (1.0 - 2.0 * half_width));
+      map.value.push_back(soil ? 0.0F : 0.3F);
+      map.light.push_back(static_cast<std::uint16_t>(
+          soil ? 500 : 250.0 * std::exp(contrast * (light - 0.5) + random.normal(0.0, 0.3))));
+    }
+  }
+  return map;
+}
+
+std::vector<RowLine> rows_of(double spacing, double half_width) {
+  const PlanarField field = field_of_map();
+  std::vector<RowLine> rows;
+  for (int k = -2; k <= 2; ++k) {
+    RowLine row;
+    row.index = k;
+    for (double v = 5.0; v < kHeight; v += 10.0) {
+      RowSample sample;
+      sample.centre_px = {field.u_at(v, k), v};
+      if (k == 0) sample.left_u_px = field.u_at(v, -half_width * spacing);
+      if (k == 0) sample.right_u_px = field.u_at(v, half_width * spacing);
+      if (k == -1) sample.right_u_px = field.u_at(v, -0.45 * spacing);
+      if (k == 1) sample.left_u_px = field.u_at(v, 0.45 * spacing);
+      row.samples.push_back(sample);
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+TEST(Tops, LightTellsTheirSpacingAndFarEdges) {
+  constexpr double kHalfWidth = 0.2;
+  for (const double spacing : {0.8, 1.0, 1.25}) {
+    const auto tops = find_tops(low_view(spacing, kHalfWidth, 0.5), CommonModel(field_of_map()), 0.0,
+                                rows_of(spacing, kHalfWidth));
+    ASSERT_TRUE(tops.has_value()) << spacing;
+    EXPECT_NEAR(tops->spacing, spacing, 0.03) << spacing;
+    EXPECT_NEAR(tops->middle, 0.0, 1e-6);
+    ASSERT_GE(tops->edges.size(), 2U) << spacing;
+    for (const TopEdge& edge : tops->edges) {
+      const double far = spacing * (std::abs(edge.row) + kHalfWidth) * (edge.row < 0 ? -1.0 : 1.0);
+      EXPECT_NEAR(edge.place.value, far, 3.0 * edge.place.sigma) << spacing << " row " << edge.row;
+    }
+  }
+}
+
+TEST(Tops, EvenLeavesTellNothing) {
+  EXPECT_FALSE(find_tops(low_view(1.0, 0.2, 0.0), CommonModel(field_of_map()), 0.0, rows_of(1.0, 0.2)));
+  EXPECT_FALSE(find_tops(GreenMap{}, CommonModel(field_of_map()), 0.0, rows_of(1.0, 0.2)));
+}
+
+// Rows that leave a low picture above its middle row came out of order by where they leave it.
+TEST(Rows, CountFromTheFollowedKeepsTheModelsNumbers) {
+  RowLines lines;
+  lines.width = 101, lines.height = 101;
+  const auto add = [&](int index, double u_top, double u_end, double v_end) {
+    RowLine row;
+    row.index = index;
+    row.samples.push_back({.centre_px = {u_top, 0.0}});
+    row.samples.push_back({.centre_px = {u_end, v_end}});
+    lines.rows.push_back(row);
+  };
+  add(4, 48.0, 2.0, 40.0), add(5, 49.0, 0.0, 100.0), add(6, 50.0, 52.0, 100.0), add(7, 52.0, 99.0, 30.0);
+  count_from_followed(lines);
+  EXPECT_EQ(lines.rows[0].index, -2);
+  EXPECT_EQ(lines.rows[2].index, 0);
+  EXPECT_EQ(lines.rows[3].index, 1);
+}
+
+}  // namespace
+}  // namespace furrow::rows
