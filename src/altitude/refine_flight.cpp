@@ -375,9 +375,13 @@ std::vector<SigmaShare> flight_budget(const Flight& flight, std::size_t i, const
     const double part = height * row[kPoseSize + prior.parameter] / prior.wanted.sigma;
     add_share(shares, budget_cause(prior), std::abs(part));
   }
-  double rest = height * height * row[kLogHeight];
-  for (const SigmaShare& share : shares) rest -= share.sigma_m * share.sigma_m;
-  shares.push_back({"other", std::sqrt(std::max(0.0, rest))});
+  const double all = height * height * row[kLogHeight];
+  double told = 0.0;
+  for (const SigmaShare& share : shares) told += share.sigma_m * share.sigma_m;
+  // Plants that neighbouring shots share (eq. 9.7) can leave a shot's own rows more than the whole.
+  if (told > all)
+    for (SigmaShare& share : shares) share.sigma_m *= std::sqrt(all / told);
+  shares.push_back({"other", std::sqrt(std::max(0.0, all - told))});
   return shares;
 }
 
@@ -410,7 +414,9 @@ void describe_shots(const Flight& flight, const ArrowInverse& inverse, const Cam
     }
     RefinedShot shot = describe(member.shot.system, x, covariance, field);
     shot.height_budget = std::move(budget);
-    shot.height_common_sigma_m = shot.height_above_canopy_m.value * std::sqrt(std::max(0.0, common));
+    shot.height_budget.push_back({"outline", shot.outline_rise_m.sigma});
+    shot.height_common_sigma_m =
+        std::hypot(std::exp(x[kLogHeight]) * std::sqrt(std::max(0.0, common)), shot.outline_rise_m.sigma);
     shot.rows_left_out = member.shot.rows_left_out;
     shot.iterations = result.iterations;
     shot.termination = result.termination;
