@@ -155,6 +155,18 @@ class DetectFiles : public ::testing::Test {
     std::filesystem::create_directories(folder_);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
+  /// Pictures of a board turned about x by each of these, in files of the folder.
+  std::vector<std::filesystem::path> photograph(const BoardSpec& board, double distance_m,
+                                                const std::vector<double>& turns_rad) const {
+    const Camera camera = plain_camera(640, 480, 520.0);
+    std::vector<std::filesystem::path> files;
+    for (const double turn : turns_rad) {
+      files.push_back(folder_ / (std::to_string(files.size()) + ".png"));
+      const Image picture = render_board(camera, board, facing(board, distance_m, {turn, 0.1, 0}), 2);
+      EXPECT_TRUE(image::write_image(files.back(), picture).ok());
+    }
+    return files;
+  }
   std::filesystem::path folder_;
 };
 
@@ -190,14 +202,7 @@ TEST_F(DetectFiles, NamesCopiesStraysAndRubbish) {
 }
 
 TEST_F(DetectFiles, CountsCornersOfAnUnknownBoard) {
-  const Camera camera = plain_camera(640, 480, 520.0);
-  std::vector<std::filesystem::path> files;
-  for (const double turn : {0.0, 0.3, -0.4}) {
-    files.push_back(folder_ / (std::to_string(files.size()) + ".png"));
-    ASSERT_TRUE(
-        image::write_image(files.back(), render_board(camera, kBoard, facing(kBoard, 0.5, {turn, 0.1, 0}), 2))
-            .ok());
-  }
+  const auto files = photograph(kBoard, 0.5, {0.0, 0.3, -0.4});
   const auto guesses = guess_boards(files);
   ASSERT_FALSE(guesses.empty());
   EXPECT_EQ(guesses[0].corners_x, 9);
@@ -212,14 +217,7 @@ TEST_F(DetectFiles, CountsCornersOfAnUnknownBoard) {
 }
 
 TEST_F(DetectFiles, CheckSaysWhichDescriptionFits) {
-  const Camera camera = plain_camera(640, 480, 520.0);
-  std::vector<std::filesystem::path> files;
-  for (const double turn : {0.0, 0.3, -0.4}) {
-    files.push_back(folder_ / (std::to_string(files.size()) + ".png"));
-    ASSERT_TRUE(
-        image::write_image(files.back(), render_board(camera, kBoard, facing(kBoard, 0.5, {turn, 0.1, 0}), 2))
-            .ok());
-  }
+  const auto files = photograph(kBoard, 0.5, {0.0, 0.3, -0.4});
   const auto verdict = [&](int x, int y) {
     const BoardCheck check = check_board(files, {"b", x, y, 0.025, 1.0});
     EXPECT_EQ(check.fits, check.found == 3) << check.verdict;
@@ -235,14 +233,7 @@ TEST_F(DetectFiles, CheckSaysWhichMarkersFit) {
   BoardSpec board{"c", 10, 7, 0.022, 1.0, BoardKind::charuco};
   board.marker_m = 0.016;
   board.dictionary = "5x5_50";
-  const Camera camera = plain_camera(640, 480, 520.0);
-  std::vector<std::filesystem::path> files;
-  for (const double turn : {0.1, -0.3}) {
-    files.push_back(folder_ / (std::to_string(files.size()) + ".png"));
-    ASSERT_TRUE(
-        image::write_image(files.back(), render_board(camera, board, facing(board, 0.3, {turn, 0.1, 0}), 2))
-            .ok());
-  }
+  const auto files = photograph(board, 0.3, {0.1, -0.3});
   EXPECT_TRUE(check_board(files, board).fits);
   BoardSpec swapped = board;
   std::swap(swapped.corners_x, swapped.corners_y);
