@@ -82,10 +82,7 @@ Result<Farm> complete_farm(const FieldKnowledge& field) {
 Estimate outline_rise(const FieldKnowledge& field, double half_width_m, double pitch_rad) {
   constexpr double kFlattest = 6.0;  // cotangent of 9 deg: flatter, the lower half of a picture counts
   Estimate rise = field.outline_rise_m;
-  if (!rise.usable()) {
-    rise.value = kOutlineRisePerHalfWidth * half_width_m;
-    rise.sigma = kOutlineRiseSigmaPerHalfWidth * half_width_m;
-  }
+  if (!rise.usable()) rise = {0.0, kOutlineRiseSigmaPerHalfWidth * half_width_m, 0};
   const double down = std::max(-std::sin(pitch_rad), 1e-9);
   const double flat = std::min(std::cos(pitch_rad) / down, kFlattest);
   return {flat * rise.value, flat * rise.sigma, rise.observations};

@@ -328,16 +328,6 @@ std::optional<TopComb> find_tops(const GreenMap& map, const CommonModel& model, 
   const LightByRow light = light_by_row(map, model.field(), *fan);
   const std::array sides = {Side(light, -1), Side(light, 1)};
   const auto spacing = top_spacing(sides, *ground);
-  if (std::getenv("LEAF")) {
-    std::printf("  comb: middle %.3f hw %.3f near %.3f spacing %.3f\n", ground->middle, ground->half_width,
-                ground->near, spacing.value_or(0));
-    for (double s = 0.6; s < 1.8; s += 0.04) {
-      Explained e0 = explained(sides[0], *ground, s), e1 = explained(sides[1], *ground, s);
-      double score = 100 * (e0.comb + e1.comb) / (e0.total + e1.total);
-      std::printf("   %.2f:%.0f", s, score);
-    }
-    std::printf("\n");
-  }
   if (!spacing) return std::nullopt;
   TopComb comb;
   comb.middle = ground->middle;

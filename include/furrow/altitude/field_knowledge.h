@@ -14,10 +14,10 @@ struct FieldKnowledge {
   Estimate foliage_depth_m;
   /// Half width at the lowest leaves over half_width_m: 1 for a box, near 0 for a V; unusable when not known.
   Estimate base_width_ratio;
-  /// How far the rows' outline in the picture lies above the top that row_height_m names, the mean of the
-  /// leaves first hit from straight above, in a picture taken at -45 deg: the flatter the line of sight, the
-  /// more leaves stand in it, and the highest is seen. Grows with the cotangent of the depression; 0 for
-  /// smooth boxes. Unusable: kOutlineRisePerHalfWidth.
+  /// How far the rows' outline in the picture lies above the top that row_height_m names, in a picture taken
+  /// at -45 deg: the flatter the line of sight, the more leaves stand in it, and the highest is seen. Grows
+  /// with the cotangent of the depression; 0 for smooth boxes, negative where row_height_m names the tips of
+  /// the shoots. Unusable: 0 +- kOutlineRiseSigmaPerHalfWidth.
   Estimate outline_rise_m;
   /// One-sigma of a row's axis about its nominal place, as a whole along the part a picture shows. NaN:
   /// kPlantingSigmaPerSpacing.
@@ -32,9 +32,10 @@ inline constexpr double kPlantingSigmaPerSpacing = 0.01;
 /// Mean half width of one row over a picture against the field's: trimmed hedges repeat to 3 cm in 0.6 m.
 inline constexpr double kGrowthSigmaPerHalfWidth = 0.05;
 
-/// At half widths of 0.4 to 0.6 m Furrow's renders have 0 to 1 cm of it, sparser canopies of another program
-/// 2 to 4 cm, smooth boxes none (docs/formulation/altitude.md, section 8).
-inline constexpr double kOutlineRisePerHalfWidth = 0.0125, kOutlineRiseSigmaPerHalfWidth = 0.022;
+/// At half widths of 0.4 to 0.6 m and with the mean of the leaves first hit from above called the top,
+/// Furrow's renders have 0 to 1 cm of it and sparser canopies of another program 2 to 4 cm; with their
+/// highest leaves called the top it is as much below 0 (docs/formulation/altitude.md, section 8).
+inline constexpr double kOutlineRiseSigmaPerHalfWidth = 0.022;
 
 /// What the gimbal says about one shot, with one-sigma; unusable values are not known.
 struct AttitudePrior {
