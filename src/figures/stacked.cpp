@@ -22,12 +22,15 @@ struct Layer {
 };
 
 const std::vector<Layer>& layers() {
-  static const std::vector<Layer> kLayers = {
-      {"picture", kBlue, {"picture"}},       {"plants", kGreen, {"plants"}},
-      {"spacing", kVermillion, {"spacing"}}, {"half width", kOrange, {"half_width"}},
-      {"foliage", kSkyBlue, {"foliage"}},    {"pitch and slope", kPurple, {"pitch", "terrain"}},
-      {"roll", kMidGrey, {"roll"}},          {"camera", kBlack, {"focal", "distortion"}},
-      {"other shots", kLightGrey, {"other"}}};
+  static const std::vector<Layer> kLayers = {{"picture", kBlue, {"picture"}},
+                                             {"plants", kGreen, {"plants"}},
+                                             {"spacing", kVermillion, {"spacing"}},
+                                             {"half width", kOrange, {"half_width"}},
+                                             {"foliage and outline", kSkyBlue, {"foliage", "outline"}},
+                                             {"pitch and slope", kPurple, {"pitch", "terrain"}},
+                                             {"roll", kMidGrey, {"roll"}},
+                                             {"camera", kBlack, {"focal", "distortion"}},
+                                             {"other shots", kLightGrey, {"other"}}};
   return kLayers;
 }
 

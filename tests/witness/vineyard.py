@@ -90,9 +90,13 @@ def measured_edges(plants):
     return sum(edges) / 2, sum(tops["z"]) / len(tops["z"])
 
 
-def make_plants(shape, rng):
-    """Plants whose measured half width and height equal HALF and HEIGHT."""
+def make_plants(shape, rng, top):
+    """Plants whose measured half width and height equal HALF and HEIGHT, or, with top "envelope", as the shape itself
+    says: all leaves below HEIGHT."""
     scale_w, scale_h = 1.0, 1.0
+    if top == "envelope":
+        plants = [leaves_of(shape, rng, scale_w, scale_h, 0.03) for _ in range(VARIANTS)]
+        return plants, measured_edges(plants)
     state = rng.getstate()
     for _ in range(4):
         rng.setstate(state)
@@ -133,8 +137,8 @@ def mesh_text(leaves, rng):
     return "\n".join(out)
 
 
-def scene_text(shape, rng):
-    plants, measured = make_plants(shape, rng)
+def scene_text(shape, rng, top):
+    plants, measured = make_plants(shape, rng, top)
     hue = rng.uniform(-0.02, 0.02)
     text = ["#version 3.7;", "global_settings { assumed_gamma 1.0 max_trace_level 3 }"]
     for k in range(6):
@@ -327,6 +331,8 @@ def main():
     p.add_argument("out")
     p.add_argument("--shape", default="hedge", choices=["hedge", "box", "v", "lumpy"],
                    help="cross-section: superellipse, box, V, or ellipses that differ from plant to plant")
+    p.add_argument("--top", default="first-hit", choices=["first-hit", "envelope"],
+                   help="what stands at the rows' height: the mean of the leaves first hit from above, or the highest")
     p.add_argument("--flight", default="345", choices=sorted(FLIGHTS))
     p.add_argument("--seed", type=int, default=1)
     p.add_argument("--shots", type=int, default=12, help="per leg")
@@ -335,16 +341,16 @@ def main():
     rng = random.Random("%s %s %d" % (args.shape, args.flight, args.seed))
     for d in ("work", "frames"):
         os.makedirs(os.path.join(args.out, d), exist_ok=True)
-    text, (width, height), strip = scene_text(args.shape, rng)
+    text, (width, height), strip = scene_text(args.shape, rng, args.top)
     open(os.path.join(args.out, "work", "scene.inc"), "w").write(text)
     shots = shots_of(args.flight, args.shots, rng)
     write_truth(args.out, shots)
     write_project(args.out, "witness-%s-%s-%d" % (args.shape, args.flight, args.seed))
     write_log(args.out, shots, rng)
     open(os.path.join(args.out, "README.txt"), "w").write(
-        "POV-Ray, shape %s, flight %s, seed %d. Seen from above the plants measure: half width %.3f m (half coverage), "
-        "mean first hit %.3f m (nominal %.2f and %.2f). Strip half width %.2f m.\n"
-        % (args.shape, args.flight, args.seed, width, height, HALF, HEIGHT, strip))
+        "POV-Ray, shape %s, top %s, flight %s, seed %d. Seen from above the plants measure: half width %.3f m (half "
+        "coverage), mean first hit %.3f m (nominal %.2f and %.2f). Strip half width %.2f m.\n"
+        % (args.shape, args.top, args.flight, args.seed, width, height, HALF, HEIGHT, strip))
     with ThreadPoolExecutor(args.jobs) as pool:
         list(pool.map(lambda x: render(args.out, *x), enumerate(shots)))
 

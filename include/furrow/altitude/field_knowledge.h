@@ -32,10 +32,10 @@ inline constexpr double kPlantingSigmaPerSpacing = 0.01;
 /// Mean half width of one row over a picture against the field's: trimmed hedges repeat to 3 cm in 0.6 m.
 inline constexpr double kGrowthSigmaPerHalfWidth = 0.05;
 
-/// At half widths of 0.4 to 0.6 m and with the mean of the leaves first hit from above called the top,
-/// Furrow's renders have 0 to 1 cm of it and sparser canopies of another program 2 to 4 cm; with their
-/// highest leaves called the top it is as much below 0 (docs/formulation/altitude.md, section 8).
-inline constexpr double kOutlineRiseSigmaPerHalfWidth = 0.022;
+/// With the mean of the leaves first hit from above called the top, heights by the outline came out 0 to 1 cm
+/// over cot short in Furrow's renders and 2.5 to 3.5 cm short in another program's; with the highest leaves
+/// called the top 2.5 to 4 cm long, all at a half width of 0.6 m (docs/formulation/altitude.md, section 8).
+inline constexpr double kOutlineRiseSigmaPerHalfWidth = 0.04;
 
 /// What the gimbal says about one shot, with one-sigma; unusable values are not known.
 struct AttitudePrior {
