@@ -58,8 +58,7 @@ Status read_calibrate(const Value& value, const std::string& file, const fs::pat
                  "square or unknown_aspect");
   if (!model.empty()) {
     const auto known = camera::model_from_name(model);
-    fields.require(known.has_value(), "model", "'" + model + "'",
-                   "pinhole, opencv4, opencv5, opencv8 or opencv12");
+    fields.require(known.has_value(), "model", "'" + model + "'", camera::model_names());
     if (known) project.calibrate_model = *known;
   }
   FURROW_DO(fields.finish());
@@ -119,12 +118,26 @@ Estimate read_length(Fields& fields, const std::string& stem, double default_sha
   return {value, std::isnan(sigma) ? default_share * value : sigma, 1};
 }
 
+/// The rise may be 0 or below, so its sigma has no share to default to.
+Estimate read_outline_rise(Fields& fields) {
+  double value = kNotGiven;
+  double sigma = kNotGiven;
+  fields.optional("outline_rise_m", value);
+  fields.optional("outline_rise_sigma_m", sigma);
+  fields.require(std::isnan(value) == std::isnan(sigma), "outline_rise_m",
+                 "one of outline_rise_m and outline_rise_sigma_m", "both or none");
+  fields.require(std::isnan(sigma) || sigma >= 0.0, "outline_rise_sigma_m", base::format_double(sigma),
+                 "a length of 0 or more");
+  return std::isnan(value) ? Estimate{} : Estimate{value, sigma, 1};
+}
+
 Status read_rows(const Value& value, const std::string& file, const fs::path& folder, Project& project) {
   Fields fields(value, file, "rows");
   project.field.row_spacing_m = read_length(fields, "spacing", kDefaultSpacingSigmaShare);
   project.field.half_width_m = read_length(fields, "half_width", kDefaultHalfWidthSigmaShare);
   project.field.row_height_m = read_length(fields, "height", kDefaultRowHeightSigmaShare);
   project.field.foliage_depth_m = read_length(fields, "foliage_depth", kDefaultFoliageDepthSigmaShare);
+  project.field.outline_rise_m = read_outline_rise(fields);
   std::string method = "field";
   fields.optional("method", method);
   fields.require(method == "field" || method == "thesis", "method", "'" + method + "'", "field or thesis");

@@ -222,6 +222,7 @@ base::Value options_value(const Project& project) {
   value.set("half_width_m", length(project.field.half_width_m));
   value.set("height_m", length(project.field.row_height_m));
   value.set("foliage_depth_m", length(project.field.foliage_depth_m));
+  value.set("outline_rise_m", length(project.field.outline_rise_m));
   value.set("gimbal_pitch_sigma_deg", project.gimbal_pitch_sigma_deg);
   value.set("gimbal_roll_sigma_deg", project.gimbal_roll_sigma_deg);
   return value;

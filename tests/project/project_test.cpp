@@ -60,6 +60,20 @@ TEST_F(ProjectTest, ReadsTheSmallestForm) {
   EXPECT_FALSE(project->field.foliage_depth_m.usable());
 }
 
+TEST_F(ProjectTest, TheOutlinesRiseMayBeNegativeAndComesWithItsSigma) {
+  const auto with_rows = [&](const std::string& keys) {
+    std::string text = kSmallest;
+    text.replace(text.find("height_m: 1.70"), 14, "height_m: 1.70, " + keys);
+    return read(text);
+  };
+  const auto given = with_rows("outline_rise_m: -0.02, outline_rise_sigma_m: 0.01");
+  ASSERT_TRUE(given.ok()) << given.error().message();
+  EXPECT_EQ(given->field.outline_rise_m.value, -0.02);
+  EXPECT_EQ(given->field.outline_rise_m.sigma, 0.01);
+  EXPECT_FALSE(with_rows("outline_rise_m: 0.02").ok());
+  EXPECT_FALSE(with_rows("outline_rise_m: 0.02, outline_rise_sigma_m: -1").ok());
+}
+
 TEST_F(ProjectTest, ReadsHalfWidthsMeasuredByHand) {
   const auto read_widths = [&](const std::string& csv) {
     EXPECT_TRUE(base::write_file(folder_ / "widths.csv", csv).ok());
