@@ -2,11 +2,13 @@
 #include <ceres/jet.h>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "arrow.h"
 #include "budget.h"
 #include "furrow/altitude/flight.h"
 #include "furrow/base/parallel.h"
+#include "furrow/base/text.h"
 #include "furrow/geom/angles.h"
 #include "furrow/stats/robust.h"
 #include "shot_system.h"
@@ -31,6 +33,7 @@ struct Member {
   PreparedShot shot;
   Estimate log_theta, log_lambda;  ///< gimbal's reading with its shot-to-shot sigma
   double direction = 1.0;
+  Estimate alone_m;  ///< height by this shot alone
 };
 
 /// A tie between the heights of two neighbours in `members`.
@@ -120,6 +123,7 @@ Result<Member> member_of(const ShotInput& input, const Camera& camera, const Fie
   alone.prior_conflict_sigmas = std::numeric_limits<double>::infinity();
   FURROW_TRY(const RefinedShot settled, settle_shot(member.shot, camera, field, alone));
   check(settled.usable, "a settled shot is usable");
+  member.alone_m = settled.height_above_canopy_m;
   FURROW_TRY(const GimbalPrior gimbal, gimbal_prior(input.attitude));
   const double sigma = options.angle_noise_rad;
   if (gimbal.theta.usable()) member.log_theta = {gimbal.theta.value, sigma, 1};
@@ -150,6 +154,51 @@ std::vector<Member> prepare(const std::vector<ShotInput>& shots, const Camera& c
     if (member) members.push_back(std::move(*member));
   }
   return members;
+}
+
+/// What the log's steps from the shots around shot `i` make of its height: the middle of theirs less the log,
+/// and their scatter; nothing with too few of them.
+std::optional<Estimate> offset_around(const std::vector<double>& offsets_m, std::size_t i) {
+  constexpr std::size_t kAround = 3, kLeast = 3;  // shots to each side; of them in all
+  std::vector<double> around;
+  for (std::size_t k = i > kAround ? i - kAround : 0; k < std::min(offsets_m.size(), i + kAround + 1); ++k) {
+    if (k != i && std::isfinite(offsets_m[k])) around.push_back(offsets_m[k]);
+  }
+  if (around.size() < kLeast) return std::nullopt;
+  return Estimate{stats::median(around), stats::mad_sigma(around), static_cast<int>(around.size())};
+}
+
+/// Takes out shots whose own height parts from their neighbours' and the log's steps by far more than all
+/// their sigmas: their rows were miscounted, and tied to the others they would bend the flight.
+void leave_out_denied(const std::vector<ShotInput>& shots, const FlightOptions& options,
+                      std::vector<Member>& members, RefinedFlight& result) {
+  std::vector<double> offsets_m;
+  for (const Member& member : members)
+    offsets_m.push_back(member.alone_m.value - shots[member.input].log_height_m);
+  std::vector<Member> kept;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const auto around = offset_around(offsets_m, i);
+    const double off = around && std::isfinite(offsets_m[i]) ? std::abs(offsets_m[i] - around->value) : 0.0;
+    const double limit =
+        around ? options.neighbour_conflict_sigmas *
+                     std::hypot(members[i].alone_m.sigma, around->sigma, options.log_step_sigma_m)
+               : 0.0;
+    if (!(off > limit)) {
+      kept.push_back(std::move(members[i]));
+      continue;
+    }
+    const std::size_t input = members[i].input;
+    const Error error{"denied_by_neighbours", shots[input].shot_id,
+                      "by its rows " + base::format_fixed(members[i].alone_m.value, 2) +
+                          " m above the canopy, " + base::format_fixed(off, 2) +
+                          " m off what the log makes of " + std::to_string(around->observations) +
+                          " shots around it",
+                      "within " + base::format_fixed(limit, 2) + " m",
+                      "a line that is no row may have been counted: look at the picture of its rows"};
+    result.status[input] = error.code;
+    result.reason[input] = error.message();
+  }
+  members = std::move(kept);
 }
 
 std::vector<Tie> ties_of(const std::vector<Member>& members, const std::vector<ShotInput>& shots,
@@ -444,6 +493,7 @@ Result<RefinedFlight> refine_flight(const std::vector<ShotInput>& shots, const C
     return Error{"no_usable_shot", shots.front().shot_id, result.reason.front(),
                  "a shot with two or more rows", ""};
   }
+  leave_out_denied(shots, options, flight.members, result);
   flight.ties = ties_of(flight.members, shots, options);
   flight.shared_priors = shared_priors(farm, shots, options);
   for (const ParameterPrior& prior : flight.shared_priors)

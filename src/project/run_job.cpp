@@ -282,6 +282,14 @@ Result<RunTables> measure_flight(const Project& project, const JobOptions& job) 
   return tables;
 }
 
+/// The record without the height that its neighbours deny; what the shot alone says stays beside it.
+audit::ShotRecord denied(audit::ShotRecord record, const std::string& reason) {
+  record.above_canopy_refined_m = record.above_ground_refined_m = {};
+  record.status = "denied_by_neighbours";
+  record.reason = reason;
+  return record;
+}
+
 /// By the first shot that states a lens.
 audit::Finding assess_focal(const RunTables& tables) {
   const Camera& camera = tables.camera.camera;
@@ -364,6 +372,9 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
     const bool carried = tables.flight.ok() && tables.flight->shots[i].usable;
     outcome.records.push_back(carried ? with_refined(alone, tables.flight->shots[i]) : alone);
     outcome.records.back().refined_in_flight = carried;
+    if (tables.flight.ok() && tables.flight->status[i] == "denied_by_neighbours") {
+      outcome.records.back() = denied(alone, tables.flight->reason[i]);
+    }
   }
   if (!tables.flight.ok()) {
     outcome.warnings.push_back("Each shot was refined alone, the flight not as a whole: " +

@@ -225,6 +225,38 @@ TEST(RefineFlight, ABadShotIsNamedAndSkipped) {
 
 // Random pixels, edges, indices and sigmas, with NaN, infinities and huge numbers among them: an answer is
 // finite, or it is an error.
+TEST(RefineFlight, AShotThatItsNeighboursDenyIsLeftOutAndNamed) {
+  base::Random random(31);
+  const Camera camera = testing::thesis_camera();
+  TestFlight flight = fly(12, {}, kNoise, random);
+  World wrong = flight.worlds[5];
+  wrong.height_above_canopy_m *= 2.0;  // a line between two rows taken for a row
+  flight.shots[5].lines = testing::picture_of(wrong, camera, kNoise, 7);
+  const auto refined = refine_flight(flight.shots, camera, flight.field, level_ground());
+  ASSERT_TRUE(refined.ok()) << refined.error().message();
+  EXPECT_EQ(refined->status[5], "denied_by_neighbours");
+  EXPECT_FALSE(refined->shots[5].usable);
+  EXPECT_NE(refined->reason[5].find("shot5"), std::string::npos);
+  for (const std::size_t i : {4, 6}) {
+    EXPECT_EQ(refined->status[i], "ok");
+    const Estimate& height = refined->shots[i].height_above_canopy_m;
+    EXPECT_NEAR(height.value, flight.worlds[i].height_above_canopy_m, 4.0 * height.sigma);
+  }
+  for (ShotInput& shot : flight.shots) shot.log_height_m = std::nan("");
+  const auto blind = refine_flight(flight.shots, camera, flight.field, level_ground());
+  ASSERT_TRUE(blind.ok()) << blind.error().message();
+  EXPECT_EQ(blind->status[5], "ok");  // nobody to ask
+}
+
+TEST(RefineFlight, ATerraceDeniesNobody) {
+  base::Random random(32);
+  TestFlight flight = fly(12, {}, kNoise, random);
+  for (std::size_t i = 6; i < 12; ++i) flight.shots[i].log_height_m += 2.0;
+  const auto refined = refine_flight(flight.shots, testing::thesis_camera(), flight.field, level_ground());
+  ASSERT_TRUE(refined.ok()) << refined.error().message();
+  for (std::size_t i = 0; i < 12; ++i) EXPECT_EQ(refined->status[i], "ok") << i;
+}
+
 TEST(RefineFlight, GarbageGivesErrorsOrFiniteNumbers) {
   base::Random random(10);
   const auto number = [&](double scale) {

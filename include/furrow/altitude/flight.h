@@ -44,6 +44,10 @@ struct FlightOptions {
   double log_step_sigma_m = 0.15;
   /// One-sigma of a step of the height itself between neighbouring shots; NaN for no such tie.
   double height_step_sigma_m = std::numeric_limits<double>::quiet_NaN();
+  /// A shot whose own height is farther from what the log's steps make of up to six shots around it than this
+  /// many sigmas (its own, their scatter, log_step_sigma_m) is left out with the status denied_by_neighbours.
+  /// Needs log heights. Raise it for logs that jump between neighbouring shots.
+  double neighbour_conflict_sigmas = 5.0;
   /// Threads for the work that is done shot by shot; 0: one per core. The result does not depend on it.
   int threads = 0;
 };
