@@ -110,6 +110,37 @@ double confidence_of(double score) {
   return 1.0 / (1.0 + std::exp(-(score - kEven) / kScale));
 }
 
+int edge_count(const std::vector<RowLine>& rows) {
+  int count = 0;
+  for (const RowLine& row : rows) {
+    for (const RowSample& sample : row.samples)
+      count += std::isfinite(sample.left_u_px) + std::isfinite(sample.right_u_px);
+  }
+  return count;
+}
+
+/// Straight rows towards where their edges meet, and the spacing of their tops, when the gimbal's horizon is
+/// known and the rows are straight: along rows that bend or go over hills a straight model loses edges.
+void straighten(const Image& picture, const Priors& priors, const GreenMap& map,
+                const std::vector<double>& sample_v, CommonModel& model, std::vector<RowLine>& rows) {
+  // Of the edges: straight rows of renders kept 0.96 of them and more (one shot in thirty 0.88), rows over
+  // hills 0.78 to 0.89.
+  constexpr double kLeastKept = 0.9;
+  const auto point = meeting_point(rows, priors, 0.5 * (picture.width - 1));
+  if (!point) return;
+  const CommonModel straight = straightened(model, *point, picture.width, picture.height);
+  std::vector<RowLine> straight_rows = shaped_rows(map, straight, picture.width, sample_v);
+  if (edge_count(straight_rows) < kLeastKept * edge_count(rows)) return;
+  model = straight;
+  rows = std::move(straight_rows);
+  const double tilt = priors.horizon_slope.value_or(0.0);
+  const auto tops = find_tops(map, model, tilt, rows);
+  if (!tops) return;
+  model = with_spacing(model, tops->middle, tops->spacing);
+  rows = shaped_rows(map, model, picture.width, sample_v);
+  write_tops(*tops, model.field(), tilt, rows);
+}
+
 RowLines detect_level(const Image& picture, const DetectOptions& options) {
   RowLines lines;
   lines.method = "field";
@@ -137,17 +168,7 @@ RowLines detect_level(const Image& picture, const DetectOptions& options) {
   const GreenMap fine =
       leaf_map(is_fine ? map : green_map(picture, options.shape_pixels), model, found->tooth);
   lines.rows = shaped_rows(fine, model, picture.width, sample_v);
-  const double u_middle = 0.5 * (picture.width - 1);
-  if (const auto point = meeting_point(lines.rows, options.priors, u_middle)) {
-    const double tilt = options.priors.horizon_slope.value_or(0.0);
-    model = straightened(model, *point, picture.width, picture.height);
-    lines.rows = shaped_rows(fine, model, picture.width, sample_v);
-    if (const auto tops = find_tops(fine, model, tilt, lines.rows)) {
-      model = with_spacing(model, tops->middle, tops->spacing);
-      lines.rows = shaped_rows(fine, model, picture.width, sample_v);
-      write_tops(*tops, model.field(), tilt, lines.rows);
-    }
-  }
+  straighten(picture, options.priors, fine, sample_v, model, lines.rows);
   lines.field = model.field();
   lines.vanishing_point_px = model.field().vanishing_point();
   count_from_followed(lines);

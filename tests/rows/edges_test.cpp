@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "furrow/base/random.h"
+#include "furrow/rows/detect.h"
+#include "rows/drawn_field.h"
 #include "rows/edge_pencil.h"
 #include "rows/index_rows.h"
 #include "rows/leaf_edges.h"
@@ -150,6 +152,35 @@ TEST(Rows, CountFromTheFollowedKeepsTheModelsNumbers) {
   EXPECT_EQ(lines.rows[0].index, -2);
   EXPECT_EQ(lines.rows[2].index, 0);
   EXPECT_EQ(lines.rows[3].index, 1);
+}
+
+/// Largest distance of the followed row from its drawn place over the picture's lower two thirds, spacings.
+double followed_row_error(const testing::DrawnField& drawn, const Priors& priors) {
+  DetectOptions options;
+  options.priors = priors;
+  const RowLines lines = detect(draw(drawn), options);
+  EXPECT_TRUE(lines.ok()) << lines.reason;
+  double worst = 0.0;
+  for (const RowLine& row : lines.rows) {
+    if (row.index != 0) continue;
+    for (const RowSample& sample : row.samples) {
+      const double v = sample.centre_px.y();
+      if (v < 0.33 * drawn.height) continue;
+      const double k = drawn.field.k_at(sample.centre_px.x(), v);
+      worst = std::max(worst, std::abs(k - std::round(k)));
+    }
+  }
+  return worst;
+}
+
+TEST(Straightening, BentRowsStayBentAndStraightOnesStraight) {
+  for (const double bend : {0.0, 60.0, 150.0}) {
+    auto drawn = testing::oblique(1280, 720);
+    drawn.field.bend = bend;
+    drawn.half_width = 0.3;
+    const Priors priors = horizon_at(*drawn.field.horizon_v(), 80.0);
+    EXPECT_LT(followed_row_error(drawn, priors), 0.06) << bend;
+  }
 }
 
 }  // namespace
