@@ -5,6 +5,8 @@
 #include <limits>
 #include <optional>
 
+#include "furrow/image/remap.h"
+
 namespace furrow::altitude {
 namespace {
 
@@ -54,29 +56,18 @@ Extent visible_ground(const PoseOverRows& pose, const BirdsEyeOptions& options) 
   return extent;
 }
 
-/// Bilinear; black outside the picture.
-void sample(const Image& picture, const Vector2d& px, std::uint8_t* out) {
-  const int u = static_cast<int>(std::floor(px.x())), v = static_cast<int>(std::floor(px.y()));
-  if (u < 0 || v < 0 || u + 1 >= picture.width || v + 1 >= picture.height) return;
-  const double right = px.x() - u, down = px.y() - v;
-  for (int c = 0; c < 3; ++c) {
-    const auto at = [&](int du, int dv) {
-      return static_cast<double>(picture.at(u + du, v + dv)[picture.channels == 3 ? c : 0]);
-    };
-    const double upper = at(0, 0) + right * (at(1, 0) - at(0, 0));
-    const double lower = at(0, 1) + right * (at(1, 1) - at(0, 1));
-    out[c] = static_cast<std::uint8_t>(std::lround(upper + down * (lower - upper)));
-  }
-}
-
-void resample(const Image& picture, const PoseOverRows& pose, BirdsEye& view) {
-  for (int v = 0; v < view.picture.height; ++v) {
-    for (int u = 0; u < view.picture.width; ++u) {
-      const Vector2d ground(view.ahead_m - (v + 0.5) / view.px_per_m,
-                            view.left_m - (u + 0.5) / view.px_per_m);
-      if (const auto px = pose.px_of(ground)) sample(picture, *px, view.picture.at(u, v));
+/// Where in the picture each pixel of the view is seen; not finite where the camera cannot see it.
+std::vector<Vector2d> seen_at(const PoseOverRows& pose, const BirdsEye& view, int width, int height) {
+  std::vector<Vector2d> from_px;
+  from_px.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      const Vector2d ground(view.ahead_m - (v + 0.5) / view.px_per_m, view.left_m - (u + 0.5) / view.px_per_m);
+      from_px.push_back(
+          pose.px_of(ground).value_or(Vector2d::Constant(std::numeric_limits<double>::quiet_NaN())));
     }
   }
+  return from_px;
 }
 
 GroundRow on_ground(const rows::RowLine& line, const PoseOverRows& pose) {
@@ -133,9 +124,9 @@ Result<BirdsEye> birds_eye(const Image& picture, const rows::RowLines& lines, co
   view.spacing_m = shot.row_spacing_m.value;
   view.half_width_m = shot.half_width_m.value;
   view.cross_track_m = shot.cross_track_m.value;
-  view.picture = image::make_image(std::max(1, static_cast<int>(std::lround(size.y() * view.px_per_m))),
-                                   std::max(1, static_cast<int>(std::lround(size.x() * view.px_per_m))), 3);
-  resample(picture, pose, view);
+  const int width = std::max(1, static_cast<int>(std::lround(size.y() * view.px_per_m)));
+  const int height = std::max(1, static_cast<int>(std::lround(size.x() * view.px_per_m)));
+  view.picture = image::remap(picture, width, height, seen_at(pose, view, width, height));
   for (const rows::RowLine& line : lines.rows) view.rows.push_back(on_ground(line, pose));
   return view;
 }

@@ -12,22 +12,7 @@ for file in plan.csv plan_budget.csv plan_over_pitch.png plan_over_pitch.svg pla
 "$furrow" altitude plan "${lens[@]}" "${rows[@]}" --height-above-canopy 2.3 --pitch-deg -13.8 --json > "$out/plan.json" 2> "$said" || die "--json failed"
 grep -q '"sigma_by_cause_m"' "$out/plan.json" || die "--json lacks the budget"
 
-cat > "$out/camera.yaml" <<'Y'
-%YAML:1.0
----
-image_width: 1280
-image_height: 720
-camera_matrix: !!opencv-matrix
-   rows: 3
-   cols: 3
-   dt: d
-   data: [ 874.33, 0., 640.49, 0., 872.39, 360.81, 0., 0., 1. ]
-distortion_coefficients: !!opencv-matrix
-   rows: 1
-   cols: 5
-   dt: d
-   data: [ 0., 0., 0., 0., 0. ]
-Y
+write_camera "$out/camera.yaml" 0. 0. 0. 0. 0.
 : > "$out/a.jpg"
 printf 'name: x\ncamera: { model: camera.yaml }\nshots: { images: a.jpg }\nrows: { spacing_m: 3, half_width_m: 0.6, height_m: 1.7 }\n' > "$out/project.yaml"
 expect_exit 0 "$furrow" altitude plan --project "$out" --height-above-ground 5 --pitch-deg -20

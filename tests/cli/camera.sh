@@ -3,23 +3,7 @@ for job in show convert undistort diff validate; do
   expect_exit 0 "$furrow" camera $job --help
   expect_says "Example: furrow camera $job"
 done
-# The thesis's camera: 874.33 px over 1280 px of a 13.2 mm sensor.
-cat > "$out/camera.yaml" <<'Y'
-%YAML:1.0
----
-image_width: 1280
-image_height: 720
-camera_matrix: !!opencv-matrix
-   rows: 3
-   cols: 3
-   dt: d
-   data: [ 874.33, 0., 640.49, 0., 872.39, 360.81, 0., 0., 1. ]
-distortion_coefficients: !!opencv-matrix
-   rows: 5
-   cols: 1
-   dt: d
-   data: [ -0.12, 0.09, 0.0008, -0.0005, -0.02 ]
-Y
+write_camera "$out/camera.yaml" -0.12 0.09 0.0008 -0.0005 -0.02
 expect_exit 0 "$furrow" camera show "$out/camera.yaml" --sensor-mm 13.2 8.8
 expect_says "9.017"
 expect_says "FOV"

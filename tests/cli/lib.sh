@@ -16,3 +16,26 @@ expect_exit() {
 }
 expect_says() { grep -qF -- "$1" "$said" || die "the output lacks: $1"; }
 expect_file() { [ -s "$1" ] || die "$1 is missing or empty"; }
+
+# write_camera FILE COEFFICIENT...: the thesis's camera, 874.33 px over 1280 px of a 13.2 mm sensor, as an OpenCV file.
+write_camera() {
+  local file=$1 coefficients
+  shift
+  coefficients=$(printf ', %s' "$@")
+  cat > "$file" <<Y
+%YAML:1.0
+---
+image_width: 1280
+image_height: 720
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 874.33, 0., 640.49, 0., 872.39, 360.81, 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 1
+   cols: $#
+   dt: d
+   data: [ ${coefficients#, } ]
+Y
+}
