@@ -18,6 +18,8 @@ struct PoseOverRows {
   const Camera& camera;
   Eigen::Matrix3d cam_from_row;
   double height_m;
+  /// Beyond it (unit plane) the lens model folds back, and would show a second, false picture.
+  double fold_radius = std::numeric_limits<double>::infinity();
 
   /// Where the pixel's ray meets the plane; nothing at and above the horizon.
   std::optional<Vector2d> on_plane(const Vector2d& px) const {
@@ -29,7 +31,9 @@ struct PoseOverRows {
   }
 
   std::optional<Vector2d> px_of(const Vector2d& on_plane_m) const {
-    return camera::project(camera, cam_from_row * Vector3d(on_plane_m.x(), on_plane_m.y(), -height_m));
+    const Vector3d point = cam_from_row * Vector3d(on_plane_m.x(), on_plane_m.y(), -height_m);
+    if (point.z() > 0.0 && point.head<2>().norm() > fold_radius * point.z()) return std::nullopt;
+    return camera::project(camera, point);
   }
 };
 
@@ -105,7 +109,7 @@ Result<BirdsEye> birds_eye(const Image& picture, const rows::RowLines& lines, co
   if (!shot.usable) return Error{"not_refined", "bird's-eye view", shot.termination, "a refined shot", ""};
   const PoseOverRows pose{
       camera, geom::cam_from_level({shot.yaw_rad.value, shot.pitch_rad.value, shot.roll_rad.value}),
-      shot.height_above_canopy_m.value};
+      shot.height_above_canopy_m.value, camera::fold_radius(camera).value_or(std::numeric_limits<double>::infinity())};
   Extent extent = visible_ground(pose, options);
   const double aside = options.aside_spacings * shot.row_spacing_m.value;
   extent.low.y() = std::max(extent.low.y(), -aside);

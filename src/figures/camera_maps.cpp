@@ -27,10 +27,8 @@ Frame picture_frame(Drawing& drawing, double top_pt, int width_px, int height_px
   constexpr double kAxesPt = 40.0;
   const double aspect = std::min(1.4, static_cast<double>(height_px) / width_px);
   drawing.height_pt = top_pt + aspect * (inner - kAxesPt) + kAxesPt + room_below_pt;
-  Axis x = axis_over("u / px", {0.0, width_px - 1.0}, 8), y = axis_over("v / px", {0.0, height_px - 1.0}, 6);
-  x.low = y.low = -0.5;
-  x.high = width_px - 0.5;
-  y.high = height_px - 0.5;
+  const Axis x = axis_between("u / px", -0.5, width_px - 0.5, 8);
+  const Axis y = axis_between("v / px", -0.5, height_px - 0.5, 6);
   return draw_axes(drawing, {kMarginPt, top_pt},
                    {drawing.width_pt - kMarginPt, drawing.height_pt - kMarginPt - room_below_pt}, x,
                    flipped(y));

@@ -109,11 +109,7 @@ std::vector<Frame> draw_aligned(Drawing& drawing, const std::vector<Panel>& pane
 }
 
 Axis time_axis(const std::vector<double>& t_s) {
-  Axis x = axis_over("time in the source / s", t_s, 10);
-  x.low = t_s.front();
-  x.high = std::max(t_s.back(), x.low + 1e-3);
-  std::erase_if(x.ticks.values, [&](double tick) { return tick < x.low || tick > x.high; });
-  return x;
+  return axis_between("time in the source / s", t_s.front(), std::max(t_s.back(), t_s.front() + 1e-3), 10);
 }
 
 Axis speed_axis(const FollowingCurves& curves) {

@@ -137,11 +137,8 @@ Result<Figure> residual_map(const calib::Calibration& calibration, const FigureO
   drawing.height_pt = 1.0;
   const double legend_height = draw_legend(drawing, {kMarginPt, kMarginPt}, inner, {arrows});
   drawing.height_pt = legend_height + std::min(aspect, 1.4) * (inner - 40.0) + 40.0;
-  Axis x = axis_over("u / px", {0.0, calibration.camera.width - 1.0}, 8);
-  Axis y = axis_over("v / px", {0.0, calibration.camera.height - 1.0}, 6);
-  x.low = y.low = -0.5;
-  x.high = calibration.camera.width - 0.5;
-  y.high = calibration.camera.height - 0.5;
+  const Axis x = axis_between("u / px", -0.5, calibration.camera.width - 0.5, 8);
+  const Axis y = axis_between("v / px", -0.5, calibration.camera.height - 0.5, 6);
   Frame frame = draw_axes(drawing, {kMarginPt, kMarginPt + legend_height},
                           {drawing.width_pt - kMarginPt, drawing.height_pt - kMarginPt}, x, flipped(y));
   base::CsvTable table;

@@ -233,6 +233,10 @@ Axis axis_over(const std::string& text, const std::vector<double>& values, int w
   return axis;
 }
 
+Axis axis_between(const std::string& text, double low, double high, int wanted_ticks) {
+  return {text, low, high, nice_ticks(low, high, wanted_ticks)};
+}
+
 Axis counting_axis(const std::string& text, std::size_t count, double width_pt) {
   const double last = static_cast<double>(std::max<std::size_t>(count, 1));
   constexpr double kPtPerTick = 32.0;

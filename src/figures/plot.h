@@ -37,6 +37,8 @@ struct Axis {
 /// An axis over finite values, with a little air and round ends. `include_zero` for bars.
 Axis axis_over(const std::string& text, const std::vector<double>& values, int wanted_ticks,
                bool include_zero = false);
+/// An axis that ends where told, no tick beyond.
+Axis axis_between(const std::string& text, double low, double high, int wanted_ticks);
 /// An axis over 1 .. count with whole-numbered ticks.
 Axis counting_axis(const std::string& text, std::size_t count, double width_pt);
 

@@ -231,10 +231,8 @@ Result<Figure> birds_eye(const altitude::BirdsEye& view, const std::string& shot
   drawing.height_pt = 1.0;
   const double legend_pt =
       draw_legend(drawing, {kMarginPt, kMarginPt}, inner, {followed, axis, edges, found});
-  Axis x = axis_over("left of the camera / m", {view.left_m - wide_m, view.left_m}, 8);
-  Axis y = axis_over("ahead of the camera / m", {view.ahead_m - long_m, view.ahead_m}, 6);
-  x.low = view.left_m - wide_m, x.high = view.left_m;
-  y.low = view.ahead_m - long_m, y.high = view.ahead_m;
+  const Axis x = axis_between("left of the camera / m", view.left_m - wide_m, view.left_m, 8);
+  const Axis y = axis_between("ahead of the camera / m", view.ahead_m - long_m, view.ahead_m, 6);
   constexpr double kAxesPt = 40.0, kTallestShare = 1.2;
   const double scale = std::min(inner - kAxesPt, kTallestShare * inner * wide_m / long_m) / wide_m;
   drawing.height_pt = legend_pt + kMarginPt + scale * long_m + kAxesPt;

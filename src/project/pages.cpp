@@ -118,12 +118,13 @@ std::vector<std::string> run_summary(const RunContent& content,
                     " m, with a mean sigma of " + format_fixed(sum / static_cast<double>(sigmas.size()), 2) +
                     " m.");
   }
+  std::string against_truth;
   for (const audit::TruthComparison& line : comparison) {
     if (line.shots == 0) continue;
-    words.push_back("Against the truth of the simulation the " + line.method + " errs by " +
-                    format_fixed(line.rmse_m, 3) + " m RMS (" + format_fixed(100.0 * line.rmse_share, 1) +
-                    " % of the height) over " + std::to_string(line.shots) + " shots.");
+    against_truth += (against_truth.empty() ? "Error against the simulation's truth, RMS: " : "; ") + line.method +
+                     " " + format_fixed(line.rmse_m, 3) + " m (" + format_fixed(100.0 * line.rmse_share, 1) + " %)";
   }
+  if (!against_truth.empty()) words.push_back(against_truth + ".");
   for (const auto& finding : content.findings) {
     if (finding.verdict == audit::Verdict::fail)
       words.push_back("Failed: " + finding.title + ": " + finding.value + ", " + finding.limit + ".");

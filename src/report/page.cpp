@@ -123,13 +123,19 @@ bool looks_like_number(std::string_view cell) {
   return digit;
 }
 
-/// Columns of numbers stand right-aligned: every cell a number, or empty, and at least one number.
+/// Nothing to say there: "" or "-".
+bool is_blank(const std::string& cell) {
+  const auto trimmed = base::trim(cell);
+  return trimmed.empty() || trimmed == "-";
+}
+
+/// Columns of numbers stand right-aligned: every cell a number, or blank, and at least one number.
 std::vector<bool> number_columns(const base::CsvTable& cells) {
   std::vector<bool> numeric(cells.columns.size(), false);
   for (std::size_t c = 0; c < numeric.size(); ++c) {
     bool any = false, all = true;
     for (const auto& row : cells.rows) {
-      if (c >= row.size() || base::trim(row[c]).empty()) continue;
+      if (c >= row.size() || is_blank(row[c])) continue;
       const bool number = looks_like_number(row[c]);
       any = any || number;
       all = all && number;
@@ -139,12 +145,17 @@ std::vector<bool> number_columns(const base::CsvTable& cells) {
   return numeric;
 }
 
+/// Cells so short stay on one line.
+constexpr std::size_t kShortCell = 14;
+
 data cells_data(const std::vector<std::string>& cells, const std::vector<bool>& numeric) {
   data out = empty_list();
   for (std::size_t c = 0; c < cells.size(); ++c) {
     data cell;
     cell.set("text", text(cells[c]));
-    cell.set("num", flag(c < numeric.size() && numeric[c]));
+    const bool number = c < numeric.size() && numeric[c];
+    cell.set("num", flag(number));
+    cell.set("short", flag(!number && cells[c].size() <= kShortCell));
     out << cell;
   }
   return out;

@@ -51,6 +51,7 @@ thead th{border-bottom:2px solid var(--ink);min-width:4.2rem;line-height:1.25;ve
 td{max-width:26rem}
 tbody tr:nth-child(even){background:var(--tint)}
 .num{text-align:right;white-space:nowrap}
+.short{white-space:nowrap}
 details{margin:.8rem 0}
 summary{cursor:pointer;color:var(--accent);font-weight:600;padding:.2rem 0}
 .provenance th{font-weight:600;white-space:nowrap;text-align:left}
@@ -170,7 +171,7 @@ inline constexpr const char* kPage = R"html(<!DOCTYPE html>
 <thead><tr>{{#columns}}<th scope="col"{{#num}} class="num"{{/num}}>{{text}}</th>{{/columns}}</tr></thead>
 <tbody>
 {{#rows}}
-<tr>{{#cells}}<td{{#num}} class="num"{{/num}}>{{text}}</td>{{/cells}}</tr>
+<tr>{{#cells}}<td{{#num}} class="num"{{/num}}{{#short}} class="short"{{/short}}>{{text}}</td>{{/cells}}</tr>
 {{/rows}}
 </tbody>
 </table>

@@ -98,6 +98,31 @@ TEST(BirdsEye, StraightDownToo) {
   EXPECT_LT(view->ahead_m - view->picture.height / view->px_per_m, 0.0);  // the ground behind is seen too
 }
 
+TEST(BirdsEye, NothingIsSeenWhereTheLensFoldsBack) {
+  auto w = world();
+  Camera camera = testing::thesis_camera();
+  camera.model = camera::CameraModel::opencv4;
+  camera.distortion = {-0.35, 0.0, 0.0, 0.0};  // folds at 0.98 on the unit plane, beyond the picture's corners
+  w.height_above_canopy_m = 1.2;
+  w.attitude = {0.0, deg_to_rad(-12.0), 0.0};
+  const auto view = birds_eye(striped(w, camera), testing::picture_of(w, camera), camera, pose_of(w));
+  ASSERT_TRUE(view.ok()) << view.error().message();
+  const double fold = *camera::fold_radius(camera);
+  const Eigen::Matrix3d cam_from_row = geom::cam_from_level(w.attitude);
+  int beyond = 0;
+  for (int v = 0; v < view->picture.height; ++v) {
+    for (int u = 0; u < view->picture.width; ++u) {
+      const Eigen::Vector3d point =
+          cam_from_row * Eigen::Vector3d(view->ahead_m - (v + 0.5) / view->px_per_m,
+                                         view->left_m - (u + 0.5) / view->px_per_m, -w.height_above_canopy_m);
+      if (point.z() <= 0.0 || point.head<2>().norm() < fold * point.z()) continue;
+      ++beyond;
+      ASSERT_EQ(view->picture.at(u, v)[0], 0) << u << ", " << v;
+    }
+  }
+  EXPECT_GT(beyond, 1000);
+}
+
 TEST(BirdsEye, NoGroundNoPoseNoFit) {
   auto w = world();
   const Camera camera = testing::thesis_camera();

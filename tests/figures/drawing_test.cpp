@@ -73,6 +73,15 @@ TEST(Axis, HoldsItsValuesAndNeverCollapses) {
   EXPECT_EQ(axis_over("e / px", {0.3}, 5, true).low, 0.0);
 }
 
+TEST(Axis, BetweenTwoEndsHasNoTickBeyondThem) {
+  const Axis axis = axis_between("ahead / m", 1.66, 15.7, 6);
+  EXPECT_EQ(axis.low, 1.66);
+  EXPECT_EQ(axis.high, 15.7);
+  ASSERT_GE(axis.ticks.values.size(), 2U);
+  EXPECT_GE(axis.ticks.values.front(), 1.66);
+  EXPECT_LE(axis.ticks.values.back(), 15.7);
+}
+
 TEST(Text, MinusIsAMinus) {
   EXPECT_EQ(tick_text(-1.5, 1), "\u22121.5");
   EXPECT_EQ(tick_text(-0.0001, 1), "0.0");

@@ -117,7 +117,7 @@ TEST(Page, NumbersStandRightAlignedAndWordsDoNot) {
       {"t",
        {"",
         {"name", "number", "with sigma", "minus", "mixed", "none"},
-        {{"a1", "1.5", "3.02 \u00b1 0.05", "\u22121", "5", ""}, {"b2", "", "-2 %", "-3", "five", ""}},
+        {{"a1", "-", "3.02 \u00b1 0.05", "\u22121", "5", ""}, {"b2", "1.5", "-2 %", "-3", "five", ""}},
         {},
         {}},
        false}};
@@ -127,6 +127,7 @@ TEST(Page, NumbersStandRightAlignedAndWordsDoNot) {
                     "<th scope=\"col\">name</th><th scope=\"col\" class=\"num\">number</th><th scope=\"col\" "
                     "class=\"num\">with sigma</th><th scope=\"col\" class=\"num\">minus</th><th "
                     "scope=\"col\">mixed</th><th scope=\"col\">none</th>"));
+  EXPECT_TRUE(holds(html, "<td class=\"short\">a1</td><td class=\"num\">-</td>")) << "short words stay on one line";
 }
 
 TEST(Page, LongTablesAreCollapsedAndSayHowLong) {
