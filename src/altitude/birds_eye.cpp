@@ -66,7 +66,8 @@ std::vector<Vector2d> seen_at(const PoseOverRows& pose, const BirdsEye& view, in
   from_px.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
-      const Vector2d ground(view.ahead_m - (v + 0.5) / view.px_per_m, view.left_m - (u + 0.5) / view.px_per_m);
+      const Vector2d ground(view.ahead_m - (v + 0.5) / view.px_per_m,
+                            view.left_m - (u + 0.5) / view.px_per_m);
       from_px.push_back(
           pose.px_of(ground).value_or(Vector2d::Constant(std::numeric_limits<double>::quiet_NaN())));
     }
@@ -109,7 +110,8 @@ Result<BirdsEye> birds_eye(const Image& picture, const rows::RowLines& lines, co
   if (!shot.usable) return Error{"not_refined", "bird's-eye view", shot.termination, "a refined shot", ""};
   const PoseOverRows pose{
       camera, geom::cam_from_level({shot.yaw_rad.value, shot.pitch_rad.value, shot.roll_rad.value}),
-      shot.height_above_canopy_m.value, camera::fold_radius(camera).value_or(std::numeric_limits<double>::infinity())};
+      shot.height_above_canopy_m.value,
+      camera::fold_radius(camera).value_or(std::numeric_limits<double>::infinity())};
   Extent extent = visible_ground(pose, options);
   const double aside = options.aside_spacings * shot.row_spacing_m.value;
   extent.low.y() = std::max(extent.low.y(), -aside);

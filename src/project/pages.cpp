@@ -121,8 +121,9 @@ std::vector<std::string> run_summary(const RunContent& content,
   std::string against_truth;
   for (const audit::TruthComparison& line : comparison) {
     if (line.shots == 0) continue;
-    against_truth += (against_truth.empty() ? "Error against the simulation's truth, RMS: " : "; ") + line.method +
-                     " " + format_fixed(line.rmse_m, 3) + " m (" + format_fixed(100.0 * line.rmse_share, 1) + " %)";
+    against_truth += (against_truth.empty() ? "Error against the simulation's truth, RMS: " : "; ") +
+                     line.method + " " + format_fixed(line.rmse_m, 3) + " m (" +
+                     format_fixed(100.0 * line.rmse_share, 1) + " %)";
   }
   if (!against_truth.empty()) words.push_back(against_truth + ".");
   for (const auto& finding : content.findings) {

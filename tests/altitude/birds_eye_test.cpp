@@ -102,7 +102,8 @@ TEST(BirdsEye, NothingIsSeenWhereTheLensFoldsBack) {
   auto w = world();
   Camera camera = testing::thesis_camera();
   camera.model = camera::CameraModel::opencv4;
-  camera.distortion = {-0.35, 0.0, 0.0, 0.0};  // folds at 0.98 on the unit plane, beyond the picture's corners
+  camera.distortion = {-0.35, 0.0, 0.0,
+                       0.0};  // folds at 0.98 on the unit plane, beyond the picture's corners
   w.height_above_canopy_m = 1.2;
   w.attitude = {0.0, deg_to_rad(-12.0), 0.0};
   const auto view = birds_eye(striped(w, camera), testing::picture_of(w, camera), camera, pose_of(w));

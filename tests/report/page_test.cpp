@@ -127,7 +127,8 @@ TEST(Page, NumbersStandRightAlignedAndWordsDoNot) {
                     "<th scope=\"col\">name</th><th scope=\"col\" class=\"num\">number</th><th scope=\"col\" "
                     "class=\"num\">with sigma</th><th scope=\"col\" class=\"num\">minus</th><th "
                     "scope=\"col\">mixed</th><th scope=\"col\">none</th>"));
-  EXPECT_TRUE(holds(html, "<td class=\"short\">a1</td><td class=\"num\">-</td>")) << "short words stay on one line";
+  EXPECT_TRUE(holds(html, "<td class=\"short\">a1</td><td class=\"num\">-</td>"))
+      << "short words stay on one line";
 }
 
 TEST(Page, LongTablesAreCollapsedAndSayHowLong) {
