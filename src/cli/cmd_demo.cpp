@@ -16,7 +16,7 @@ void add_demo(CLI::App& app, Action& action) {
   CLI::App* command =
       app.add_subcommand("demo", "Render a board session and a vineyard flight, then measure them");
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("out", arguments->out, "folder for the results")->required();
+  command->add_option("out,--out", arguments->out, "folder for the results")->required();
   command->add_option("--threads", arguments->threads, "0: one per core")->check(CLI::NonNegativeNumber);
   command->add_flag("--json", arguments->json, "print JSON");
   command->footer("Example: furrow demo out/demo");

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "furrow/base/text.h"
+#include "furrow/stats/robust.h"
 #include "furrow/telemetry/sample_fields.h"
 
 namespace furrow::telemetry::reader {
@@ -175,16 +176,35 @@ std::optional<ClockFit> fit_coarse_clock(
   return fit;
 }
 
+namespace {
+
+/// A step of time longer than this has lost rows.
+base::Nanoseconds longest_step_ns(const std::vector<Sample>& samples) {
+  constexpr double kUsualSteps = 3.0, kLeast_s = 0.5;
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < samples.size(); ++i)
+    steps_s.push_back(base::ns_to_seconds(samples[i].t_log_ns - samples[i - 1].t_log_ns));
+  if (steps_s.empty()) return 0;
+  return base::seconds_to_ns(std::max(kLeast_s, kUsualSteps * stats::median(steps_s)));
+}
+
+}  // namespace
+
 void keep_photo_edges(std::vector<Sample>& samples, const std::vector<int>& lines,
                       std::vector<std::string>& warnings) {
+  const base::Nanoseconds longest_ns = longest_step_ns(samples);
+  const auto hole_before = [&](std::size_t i) {
+    return i > 0 && samples[i].t_log_ns - samples[i - 1].t_log_ns > longest_ns;
+  };
   constexpr base::Nanoseconds kLongMark_ns = base::kNanosecondsPerSecond;
   std::size_t start = 0, long_marks = 0;
   int first_line = 0;
   bool before = false;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const bool now = samples[i].is_photo;
+    if (hole_before(i)) before = false;
     if (now && !before) start = i;
-    const bool ends = now && (i + 1 == samples.size() || !samples[i + 1].is_photo);
+    const bool ends = now && (i + 1 == samples.size() || !samples[i + 1].is_photo || hole_before(i + 1));
     if (ends && samples[i].t_log_ns - samples[start].t_log_ns > kLongMark_ns && long_marks++ == 0)
       first_line = lines[start];
     if (now && before) samples[i].is_photo = false;

@@ -83,7 +83,8 @@ std::optional<ClockFit> fit_coarse_clock(
     const std::vector<std::pair<base::Nanoseconds, base::Nanoseconds>>& fine_and_coarse,
     base::Nanoseconds resolution_ns);
 
-/// Keeps is_photo only where it rises; says so when a mark lasts longer than a second.
+/// Keeps is_photo only where it rises; says so when a mark lasts longer than a second. Between two marked rows
+/// with a hole (rows missing for half a second and three usual steps) it is taken to have fallen and risen.
 void keep_photo_edges(std::vector<Sample>& samples, const std::vector<int>& lines,
                       std::vector<std::string>& warnings);
 

@@ -155,6 +155,20 @@ TEST(AirData, PhotoMarksAreRisingEdges) {
   EXPECT_TRUE(warns(*track, "photo mark stays on"));
 }
 
+TEST(AirData, MarksOnBothSidesOfAHoleAreTwoPictures) {
+  std::vector<Row> rows;
+  for (int i = 0; i < 30; ++i) {
+    if (i > 10 && i < 20) continue;  // a second of the log is lost
+    rows.push_back({.t_ms = 100.0 * i, .photo = i == 10 || i == 20 || i == 21});
+  }
+  const auto track = read_airdata(log_text(rows), "x.csv");
+  ASSERT_TRUE(track.ok());
+  std::vector<double> marks_s;
+  for (const Sample& s : track->samples)
+    if (s.is_photo) marks_s.push_back(base::ns_to_seconds(s.t_log_ns));
+  EXPECT_EQ(marks_s, (std::vector<double>{1.0, 2.0}));
+}
+
 TEST(AirData, AMarkInADroppedRowIsKept) {
   const auto track =
       read_airdata(log_text({{.t_ms = 0}, {.t_ms = 100}, {.t_ms = 100, .photo = 1}, {.t_ms = 200}}), "x.csv");
