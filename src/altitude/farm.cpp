@@ -76,6 +76,9 @@ Result<Farm> complete_farm(const FieldKnowledge& field) {
   farm.growth_sigma_m = std::isfinite(field.growth_sigma_m)
                             ? field.growth_sigma_m
                             : kGrowthSigmaPerHalfWidth * farm.half_width_m.value;
+  // Where a wall's green seems to end is anywhere between its top and its lowest leaves: uniform over [0, d],
+  // taken about d (eq. 5.4).
+  farm.foot_sigma_m = farm.foliage_depth_m.value / std::sqrt(3.0);
   return farm;
 }
 

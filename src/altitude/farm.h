@@ -8,7 +8,7 @@ namespace furrow::altitude {
 /// section 6).
 struct Farm {
   Estimate row_spacing_m, half_width_m, foliage_depth_m, base_width_ratio;
-  double planting_sigma_m = 0.0, growth_sigma_m = 0.0;
+  double planting_sigma_m = 0.0, growth_sigma_m = 0.0, foot_sigma_m = 0.0;
   bool half_width_given = false, foliage_depth_given = false, base_ratio_given = false;
 };
 

@@ -25,7 +25,7 @@ Result<ShotSystem> build_system(const Pencil& pencil, const Farm& farm, const At
   for (const RowBlock& rows : pencil.blocks) system.blocks.push_back({rows, {}, {}});
   system.priors = angle_priors(gimbal, prior.roll_rad.usable(), options.terrain_slope_sigma_rad);
   for (ParameterPrior& p : farm_priors(farm)) system.priors.push_back(std::move(p));
-  system.wander = {farm.planting_sigma_m, farm.growth_sigma_m};
+  system.wander = {farm.planting_sigma_m, farm.growth_sigma_m, farm.foot_sigma_m};
   return system;
 }
 

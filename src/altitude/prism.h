@@ -56,6 +56,12 @@ T magnitude(const T& x) {
   return x < T(0.0) ? T(-x) : x;
 }
 
+/// Held to [0, 1]: w is the half width where the row is widest, so its base is no wider.
+template <class T>
+T share(const T& x) {
+  return x < T(0.0) ? T(0.0) : x > T(1.0) ? T(1.0) : x;
+}
+
 /// Slopes between which a row's green is seen; `*_drop` is the drop at which the edge that is seen stands.
 template <class T>
 struct VisibleRow {
@@ -70,7 +76,7 @@ VisibleRow<T> visible_row(const T* pose, const T* farm, int k) {
   using std::exp;
   // Width and depth enter by their magnitudes: a prior that reaches 0 must not turn the row inside out.
   const T h = exp(pose[kLogHeight]), w = magnitude(farm[kHalfWidth]), d = magnitude(farm[kDepth]);
-  const T s = farm[kSpacing], wb = farm[kBaseRatio] * w, hb = h + d;
+  const T s = farm[kSpacing], wb = share(farm[kBaseRatio]) * w, hb = h + d;
   const T y = -pose[kCrossTrack] - static_cast<double>(k) * s;
   VisibleRow<T> v{(y + w) / h, (y - w) / h, h, h};
   const T base_left = (y + wb) / hb, base_right = (y - wb) / hb;

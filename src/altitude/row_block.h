@@ -25,9 +25,10 @@ struct LinePlace {
   double extra_slope_sigma = 0.0;  ///< of the model itself, e.g. which middle a detector means
 };
 
-/// How far a row's axis and its edges wander, metres.
+/// How far a row's axis, its edges and the foot of its wall wander, metres.
 struct RowWander {
   double planting_sigma_m = 0.0, growth_sigma_m = 0.0;
+  double foot_sigma_m = 0.0;  ///< of the depth at which a near edge is seen
 };
 
 /// Covariance of a block's residuals on the unit plane (eq. 4.6): picture noise, then planting and growth.

@@ -13,9 +13,17 @@ namespace {
 
 using ShotJet = ceres::Jet<double, kShotSize>;
 
-LinePlace place_of(const VisibleRow<double>& row, Side side, double top_centre, double height) {
-  if (side == Side::left) return {row.left, row.left_drop, 0.0};
-  if (side == Side::right) return {row.right, row.right_drop, 0.0};
+/// How far the foot of a near edge's wall, wandering in depth, moves its slope (eq. 5.4); 0 for a far edge.
+double foot_slope_sigma(double slope, double drop, double side, const RowWander& wander) {
+  return side * slope < 0.0 ? std::abs(slope) / drop * wander.foot_sigma_m : 0.0;
+}
+
+LinePlace place_of(const VisibleRow<double>& row, Side side, double top_centre, double height,
+                   const RowWander& wander) {
+  if (side == Side::left)
+    return {row.left, row.left_drop, foot_slope_sigma(row.left, row.left_drop, 1.0, wander)};
+  if (side == Side::right)
+    return {row.right, row.right_drop, foot_slope_sigma(row.right, row.right_drop, -1.0, wander)};
   // A detector's "middle" may be that of the visible green or that of the top; the model takes the first and
   // allows for the second.
   const double visible = 0.5 * (row.left + row.right);
@@ -88,7 +96,7 @@ void weigh(ShotSystem& system, const ShotVector& x) {
     const double top_centre = (-x[kCrossTrack] - block.rows.row * x[kPoseSize + kSpacing]) / height;
     std::vector<LinePlace> places;
     for (const EdgeLine& line : block.rows.lines)
-      places.push_back(place_of(row, line.side, top_centre, height));
+      places.push_back(place_of(row, line.side, top_centre, height, system.wander));
     block.covariance = block_covariance(block.rows, places, axes, system.wander);
     block.whitener = whitener_of(block.covariance);
   }

@@ -94,17 +94,25 @@ struct PrismRow {
 
 std::vector<PrismRow> plant(const World& world, const Noise& noise, base::Random& random) {
   std::vector<PrismRow> rows;
-  const double h = world.height_above_canopy_m, hb = h + world.foliage_depth_m;
+  const double h = world.height_above_canopy_m;
   for (int k = -world.rows_each_side; k <= world.rows_each_side; ++k) {
     PrismRow row;
     row.index = k;
     row.y = -world.cross_track_m - k * world.spacing_m + random.normal(0.0, noise.planting_sigma_m);
     const double grow_left = random.normal(0.0, noise.growth_sigma_m);
     const double grow_right = random.normal(0.0, noise.growth_sigma_m);
+    // A wall runs straight from the top's edge to the base's; what shows of it ends on the way.
+    const auto foot = [&](double shown) {
+      const double half = world.half_width_m + shown * (world.base_half_width_m - world.half_width_m);
+      return LongEdge{half, h + shown * world.foliage_depth_m};
+    };
+    const double to_left = noise.foot_anywhere ? random.uniform(0.0, 1.0) : 1.0;
+    const double to_right = noise.foot_anywhere ? random.uniform(0.0, 1.0) : 1.0;
+    const LongEdge left = foot(to_left * world.left_wall_shown), right = foot(to_right * world.right_wall_shown);
     row.edges = {LongEdge{row.y + world.half_width_m + grow_left, h},
                  LongEdge{row.y - world.half_width_m - grow_right, h},
-                 LongEdge{row.y + world.base_half_width_m + grow_left, hb},
-                 LongEdge{row.y - world.base_half_width_m - grow_right, hb}};
+                 LongEdge{row.y + left.y + grow_left, left.drop},
+                 LongEdge{row.y - right.y - grow_right, right.drop}};
     row.left_error = random.normal();
     row.right_error = random.normal();
     row.line.index = k;

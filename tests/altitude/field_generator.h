@@ -24,6 +24,8 @@ struct World {
   double half_width_m = 0.6;
   double base_half_width_m = 0.6;
   double foliage_depth_m = 1.0;
+  /// How much of the walls' depth shows on the left and on the right of a row: in shade, leaves pass for soil.
+  double left_wall_shown = 1.0, right_wall_shown = 1.0;
   int rows_each_side = 6;
   /// Rows bend: y = curvature x^2 / 2.
   double curvature_per_m = 0.0;
@@ -34,6 +36,7 @@ struct Noise {
   double correlation = 0.0;       ///< between neighbouring samples of one edge
   double planting_sigma_m = 0.0;  ///< of a row's axis
   double growth_sigma_m = 0.0;    ///< of each edge of a row
+  bool foot_anywhere = false;     ///< each wall's green ends anywhere between the row's top and its base
   bool edges = true;              ///< give edges; else centres of the visible green only
   /// A row's far edge is seen against the next row's leaves; else only against soil, as by a detector of
   /// green.

@@ -86,6 +86,28 @@ TEST(RefineShot, WallsDoNotBiasTheHeightWhenTheirShapeIsUnknown) {
   }
 }
 
+// One side of the rows in shade: the two walls end at different depths, and neither may pull at the height, least
+// of all where a picture shows only four edges against the ground and one glimpse of a fifth.
+TEST(RefineShot, AWallInShadeDoesNotBiasTheHeight) {
+  for (const double shown : {0.6, 0.3}) {
+    for (const double base : {0.3, 0.6}) {
+      World world = low_vineyard();
+      world.attitude.pitch_rad = deg_to_rad(-13.8);
+      world.right_wall_shown = shown;
+      world.base_half_width_m = base;
+      FieldKnowledge field = testing::knowledge_of(world, 0.01);
+      field.half_width_m.sigma = 0.09;
+      field.foliage_depth_m = {};
+      field.base_width_ratio = {};
+      Noise none;
+      none.leaf_against_leaf = false;
+      const auto shot = refine(world, field, testing::prior_of(world, 0.02, 0.005), none);
+      ASSERT_TRUE(shot.ok()) << shown << " " << base << ": " << shot.error().message();
+      EXPECT_NEAR(shot->height_above_canopy_m.value, 1.3, 0.01 * 1.3) << shown << " " << base;
+    }
+  }
+}
+
 TEST(RefineShot, ABiasedGimbalPitchHardlyMovesTheHeight) {
   const World world = low_vineyard();
   AttitudePrior prior = testing::prior_of(world, deg_to_rad(1.0), 0.005);

@@ -66,6 +66,7 @@ TEST_P(Sampling, TruthLiesInsideItsSigmasAsOftenAsClaimed) {
                     .correlation = c.correlation,
                     .planting_sigma_m = 0.03,
                     .growth_sigma_m = 0.03,
+                    .foot_anywhere = true,
                     .leaf_against_leaf = c.leaf_against_leaf};
   double worst = 0.0, squares = 0.0;
   int answered = 0;
