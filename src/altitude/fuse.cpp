@@ -13,16 +13,21 @@ namespace furrow::altitude {
 namespace {
 
 /// Places in the state: height above canopy, climb rate, each source's bias, the error of the stated row
-/// height, what the flight's pictures err by together (in its sigmas), and the canopy's level with its rate.
+/// height, of the leaves' level under a downward sensor, what the plants of this stretch do to the pictures
+/// (in their own sigmas), and the canopy's level with its rate. Behind them each cause that the flight's
+/// pictures share, in its sigma.
 constexpr int kHeight = 0, kClimb = 1, kBaroBias = 2, kGnssBias = 3, kDepthBias = 4, kRowHeight = 5,
-              kVisionCommon = 6, kGround = 7, kGroundRate = 8, kStateSize = 9;
-using State = Eigen::Matrix<double, kStateSize, 1>;
-using StateMatrix = Eigen::Matrix<double, kStateSize, kStateSize>;
+              kVpsCanopy = 6, kPlants = 7, kGround = 8, kGroundRate = 9, kFirstCause = 10;
+using State = Eigen::VectorXd;
+using StateMatrix = Eigen::MatrixXd;
 
 /// Spread of a quantity of which nothing is known, metres or metres a second: far beyond any flight.
 constexpr double kUnknownSigma = 1e4;
 /// Passes after which readings that still change sides are left where they are.
 constexpr int kMaxPasses = 20;
+/// Share of a shot's own variance that lasts over a stretch (eq. 11.6): heights of neighbouring shots in
+/// rendered flights correlate by 0.2 to 0.25 once what their flight shares is taken off.
+constexpr double kLastingShare = 0.5;
 /// How many readings a claimed sigma is worth against the noise that is seen, as for one shot (eq. 8.2).
 constexpr double kClaimWeight = 20.0;
 
@@ -32,7 +37,7 @@ int place(HeightSource source) {
 
 /// One source's reading as a scalar measurement of the state.
 struct Reading {
-  State row = State::Zero();
+  State row;
   double value = 0.0, sigma = 1.0;
 };
 
@@ -42,19 +47,25 @@ struct Labels {
   Seen vps = Seen::nothing;
 };
 
-/// The options, and the noise of each source over its claim.
+/// The options, the causes that the flight's pictures share, and the noise of each source over its claim.
 struct Setup {
   const FuseOptions& options;
+  std::vector<std::string> causes;
   std::array<double, kHeightSources> noise_scale = {1.0, 1.0, 1.0, 1.0, 1.0};
 };
 
 struct Belief {
-  State mean = State::Zero();
-  StateMatrix covariance = StateMatrix::Zero();
+  State mean;
+  StateMatrix covariance;
 };
 
-Reading reading_on(int bias, double value, double sigma) {
+Eigen::Index state_size(const Setup& setup) {
+  return kFirstCause + static_cast<Eigen::Index>(setup.causes.size());
+}
+
+Reading reading_on(int bias, double value, double sigma, const Setup& setup) {
   Reading reading;
+  reading.row = State::Zero(state_size(setup));
   reading.row[kHeight] = 1.0;
   if (bias >= 0) reading.row[bias] = 1.0;
   // Heights above a fixed level see the ground's rise as a loss of height above the canopy.
@@ -64,51 +75,65 @@ Reading reading_on(int bias, double value, double sigma) {
   return reading;
 }
 
-Reading vps_reading(double value, Seen seen, const FuseOptions& options) {
+Reading vps_reading(double value, Seen seen, const Setup& setup) {
+  const FuseOptions& options = setup.options;
   if (seen == Seen::soil)
-    return reading_on(kRowHeight, value - options.row_height_m.value, options.vps_sigma_m);
-  return reading_on(-1, value, options.vps_sigma_m);
+    return reading_on(kRowHeight, value - options.row_height_m.value, options.vps_sigma_m, setup);
+  return reading_on(kVpsCanopy, value, options.vps_sigma_m, setup);
 }
 
-/// The common part is a state, so that many shots do not average it away; what is left is the shot's own.
-Reading vision_reading(const Estimate& height, double common_sigma_m) {
+/// What the flight's pictures share are states, so that many shots do not average it away; so is what the
+/// plants of a stretch do. What is left is the shot's own.
+Reading vision_reading(const HeightSample& s, const Setup& setup) {
   constexpr double kLeastOwnShare = 0.1;
-  const double common = std::clamp(common_sigma_m, 0.0, height.sigma);
-  const double own = std::sqrt((height.sigma - common) * (height.sigma + common));
-  Reading reading = reading_on(-1, height.value, std::max(own, kLeastOwnShare * height.sigma));
-  reading.row[kVisionCommon] = common;
+  const Estimate& height = s.vision_above_canopy_m;
+  Reading reading = reading_on(-1, height.value, height.sigma, setup);
+  double own2 = height.sigma * height.sigma;
+  for (const SigmaShare& cause : s.vision_shared) {
+    const auto at = std::find(setup.causes.begin(), setup.causes.end(), cause.cause) - setup.causes.begin();
+    reading.row[kFirstCause + at] = cause.sigma_m;
+    own2 -= cause.sigma_m * cause.sigma_m;
+  }
+  const double own = std::max(std::sqrt(std::max(0.0, own2)), kLeastOwnShare * height.sigma);
+  const double lasting = setup.options.shots_per_stretch > 1.0 ? kLastingShare : 0.0;
+  reading.row[kPlants] = own * std::sqrt(lasting);
+  reading.sigma = own * std::sqrt(1.0 - lasting);
   return reading;
 }
 
 /// A source's reading at a sample with its claimed noise, or nothing when it is silent or not used.
 std::optional<Reading> claimed_reading(const HeightSample& s, HeightSource source, Seen vps,
-                                       const FuseOptions& options) {
+                                       const Setup& setup) {
+  const FuseOptions& options = setup.options;
   if (!options.use[static_cast<std::size_t>(place(source))]) return std::nullopt;
   const auto plain = [&](int bias, double value, double sigma) -> std::optional<Reading> {
     if (!std::isfinite(value)) return std::nullopt;
-    return reading_on(bias, value, sigma);
+    return reading_on(bias, value, sigma, setup);
   };
   switch (source) {
     case HeightSource::vision:
       if (!s.vision_above_canopy_m.usable()) return std::nullopt;
-      return vision_reading(s.vision_above_canopy_m, s.vision_common_sigma_m);
+      return vision_reading(s, setup);
     case HeightSource::depth:
       if (!s.depth_above_canopy_m.usable()) return std::nullopt;
-      return reading_on(kDepthBias, s.depth_above_canopy_m.value, s.depth_above_canopy_m.sigma);
+      return reading_on(kDepthBias, s.depth_above_canopy_m.value, s.depth_above_canopy_m.sigma, setup);
     case HeightSource::baro:
       return plain(kBaroBias, s.baro_height_m, options.baro_sigma_m);
     case HeightSource::gnss:
       return plain(kGnssBias, s.gnss_height_m, options.gnss_sigma_m);
     case HeightSource::vps:
       if (!std::isfinite(s.vps_height_m)) return std::nullopt;
-      return vps_reading(s.vps_height_m, vps, options);
+      return vps_reading(s.vps_height_m, vps, setup);
   }
   return std::nullopt;
 }
 
 std::optional<Reading> reading_of(const HeightSample& s, HeightSource source, Seen vps, const Setup& setup) {
-  auto reading = claimed_reading(s, source, vps, setup.options);
-  if (reading) reading->sigma *= setup.noise_scale[static_cast<std::size_t>(place(source))];
+  auto reading = claimed_reading(s, source, vps, setup);
+  if (!reading) return reading;
+  const double scale = setup.noise_scale[static_cast<std::size_t>(place(source))];
+  reading->sigma *= scale;
+  reading->row[kPlants] *= scale;
   return reading;
 }
 
@@ -123,19 +148,30 @@ void update(Belief& belief, const Reading& reading) {
   const State gain = gain_numerator / variance;
   belief.mean += gain * (reading.value - reading.row.dot(belief.mean));
   // Joseph's form keeps the covariance positive over long flights.
-  const StateMatrix rest = StateMatrix::Identity() - gain * reading.row.transpose();
+  const StateMatrix rest = StateMatrix::Identity(gain.size(), gain.size()) - gain * reading.row.transpose();
   belief.covariance =
       rest * belief.covariance * rest.transpose() + reading.sigma * reading.sigma * gain * gain.transpose();
 }
 
 /// Transition and noise over `dt` (eq. 11.1): white acceleration, biases that walk.
 struct Step {
-  StateMatrix transition = StateMatrix::Identity();
-  StateMatrix noise = StateMatrix::Zero();
+  StateMatrix transition, noise;
 };
 
-Step step_of(double dt, const FuseOptions& options) {
-  Step step;
+/// What is left of the plants' error at the next shot: sums over r alike shots grow as those of a process
+/// whose neighbours correlate by (r - 1) / (r + 1) (eq. 11.6).
+double kept_of_plants(const FuseOptions& options) {
+  const double repeats = std::max(1.0, options.shots_per_stretch);
+  return (repeats - 1.0) / (repeats + 1.0);
+}
+
+Step step_of(double dt, const Setup& setup) {
+  const FuseOptions& options = setup.options;
+  const Eigen::Index n = state_size(setup);
+  Step step{StateMatrix::Identity(n, n), StateMatrix::Zero(n, n)};
+  const double kept = kept_of_plants(options);
+  step.transition(kPlants, kPlants) = kept;
+  step.noise(kPlants, kPlants) = 1.0 - kept * kept;
   step.transition(kHeight, kClimb) = dt;
   const double q = options.acceleration_sigma * options.acceleration_sigma;
   step.noise(kHeight, kHeight) = q * dt * dt * dt / 3.0;
@@ -148,14 +184,17 @@ Step step_of(double dt, const FuseOptions& options) {
   return step;
 }
 
-Belief start_belief(const FuseOptions& options) {
-  Belief belief;
-  belief.covariance.diagonal().setConstant(kUnknownSigma * kUnknownSigma);
+Belief start_belief(const Setup& setup) {
+  const FuseOptions& options = setup.options;
+  const Eigen::Index n = state_size(setup);
+  Belief belief{State::Zero(n), StateMatrix::Identity(n, n)};  // plants and causes count in sigmas
+  for (const int unknown : {kHeight, kBaroBias, kGnssBias})
+    belief.covariance(unknown, unknown) = kUnknownSigma * kUnknownSigma;
   belief.covariance(kClimb, kClimb) = 100.0;  // no aircraft over a crop climbs faster than 10 m/s
   belief.covariance(kDepthBias, kDepthBias) = options.depth_bias_sigma_m * options.depth_bias_sigma_m;
   belief.covariance(kRowHeight, kRowHeight) =
       options.row_height_m.usable() ? options.row_height_m.sigma * options.row_height_m.sigma : 0.0;
-  belief.covariance(kVisionCommon, kVisionCommon) = 1.0;
+  belief.covariance(kVpsCanopy, kVpsCanopy) = options.vps_canopy_sigma_m * options.vps_canopy_sigma_m;
   belief.covariance(kGround, kGround) = 0.0;  // a constant is in the biases already
   belief.covariance(kGroundRate, kGroundRate) = options.ground_rate_sigma * options.ground_rate_sigma;
   return belief;
@@ -166,12 +205,10 @@ std::vector<Belief> smooth(const std::vector<HeightSample>& samples, const std::
                            const Setup& setup) {
   const std::size_t n = samples.size();
   std::vector<Belief> predicted(n), filtered(n);
-  std::vector<StateMatrix> transitions(n, StateMatrix::Identity());
   for (std::size_t i = 0; i < n; ++i) {
-    predicted[i] = i == 0 ? start_belief(setup.options) : filtered[i - 1];
+    predicted[i] = i == 0 ? start_belief(setup) : filtered[i - 1];
     if (i > 0) {
-      const Step step = step_of(samples[i].t_s - samples[i - 1].t_s, setup.options);
-      transitions[i] = step.transition;
+      const Step step = step_of(samples[i].t_s - samples[i - 1].t_s, setup);
       predicted[i].mean = step.transition * predicted[i].mean;
       predicted[i].covariance =
           step.transition * predicted[i].covariance * step.transition.transpose() + step.noise;
@@ -184,8 +221,9 @@ std::vector<Belief> smooth(const std::vector<HeightSample>& samples, const std::
   }
   std::vector<Belief> smoothed = filtered;
   for (std::size_t i = n - 1; i-- > 0;) {
+    const Step step = step_of(samples[i + 1].t_s - samples[i].t_s, setup);
     const StateMatrix back =
-        predicted[i + 1].covariance.ldlt().solve(transitions[i + 1] * filtered[i].covariance).transpose();
+        predicted[i + 1].covariance.ldlt().solve(step.transition * filtered[i].covariance).transpose();
     smoothed[i].mean += back * (smoothed[i + 1].mean - predicted[i + 1].mean);
     smoothed[i].covariance +=
         back * (smoothed[i + 1].covariance - predicted[i + 1].covariance) * back.transpose();
@@ -240,18 +278,19 @@ bool same(const std::vector<Labels>& a, const std::vector<Labels>& b) {
   return true;
 }
 
-bool any(const std::vector<HeightSample>& samples, HeightSource source, const FuseOptions& options) {
+bool any(const std::vector<HeightSample>& samples, HeightSource source, const Setup& setup) {
   for (const HeightSample& sample : samples) {
-    if (claimed_reading(sample, source, Seen::canopy, options)) return true;
+    if (claimed_reading(sample, source, Seen::canopy, setup)) return true;
   }
   return false;
 }
 
-bool any_absolute(const std::vector<HeightSample>& samples, const FuseOptions& options) {
-  return any(samples, HeightSource::vision, options) || any(samples, HeightSource::depth, options);
+bool any_absolute(const std::vector<HeightSample>& samples, const Setup& setup) {
+  return any(samples, HeightSource::vision, setup) || any(samples, HeightSource::depth, setup);
 }
 
-Status check_input(const std::vector<HeightSample>& samples, const FuseOptions& options) {
+Status check_input(const std::vector<HeightSample>& samples, const Setup& setup) {
+  const FuseOptions& options = setup.options;
   if (samples.empty()) return Error{"no_samples", "fuse", "no samples", "one sample or more", ""};
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const bool sound = std::isfinite(samples[i].t_s) && (i == 0 || samples[i].t_s > samples[i - 1].t_s);
@@ -266,14 +305,25 @@ Status check_input(const std::vector<HeightSample>& samples, const FuseOptions& 
       return Error{"not_finite", "fuse options", base::format_double(sigma), "finite sigmas above 0", ""};
     }
   }
-  if (any_absolute(samples, options)) return Done{};
-  if (!any(samples, HeightSource::vps, options)) {
+  if (any_absolute(samples, setup)) return Done{};
+  if (!any(samples, HeightSource::vps, setup)) {
     return Error{"no_absolute_height", "fuse", "only barometer or GNSS, whose zero is not known",
                  "vision, depth or a downward sensor", ""};
   }
   if (options.row_height_m.usable()) return Done{};
   return Error{"no_row_height", "fuse", "a downward sensor alone, and no height of the rows",
                "the rows' height", ""};
+}
+
+/// Every cause that some picture shares, once.
+std::vector<std::string> causes_of(const std::vector<HeightSample>& samples) {
+  std::vector<std::string> causes;
+  for (const HeightSample& sample : samples) {
+    for (const SigmaShare& cause : sample.vision_shared) {
+      if (std::find(causes.begin(), causes.end(), cause.cause) == causes.end()) causes.push_back(cause.cause);
+    }
+  }
+  return causes;
 }
 
 /// Everything takes part at first.
@@ -293,15 +343,16 @@ bool on_one_level(const std::vector<Labels>& labels) {
 }
 
 /// The noise of one source over its claim: residuals against what is left of its variance once its own pull
-/// is taken out (eq. 11.5).
+/// is taken out (eq. 11.5). Readings that are about to be left out tell nothing of it.
 double seen_noise(const std::vector<HeightSample>& samples, const std::vector<Belief>& beliefs,
-                  const std::vector<Labels>& labels, HeightSource source, const Setup& setup) {
+                  const std::vector<Labels>& labels, const std::vector<Labels>& next, HeightSource source,
+                  const Setup& setup) {
   constexpr double kLeastLeft = 0.05;  // readings that nothing else checks say nothing of their noise
   const double scale = setup.noise_scale[static_cast<std::size_t>(place(source))];
   double sum = kClaimWeight, count = kClaimWeight;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const auto reading = reading_of(samples[i], source, labels[i].vps, setup);
-    if (!reading || !takes_part(labels[i], source)) continue;
+    if (!reading || !takes_part(labels[i], source) || !takes_part(next[i], source)) continue;
     const double r = reading->sigma * reading->sigma;
     const double left = r - reading->row.dot(beliefs[i].covariance * reading->row);
     if (left < kLeastLeft * r) continue;
@@ -314,10 +365,12 @@ double seen_noise(const std::vector<HeightSample>& samples, const std::vector<Be
 
 std::array<double, kHeightSources> seen_noises(const std::vector<HeightSample>& samples,
                                                const std::vector<Belief>& beliefs,
-                                               const std::vector<Labels>& labels, const Setup& setup) {
+                                               const std::vector<Labels>& labels,
+                                               const std::vector<Labels>& next, const Setup& setup) {
   std::array<double, kHeightSources> scales = {};
   for (const HeightSource source : kAllHeightSources)
-    scales[static_cast<std::size_t>(place(source))] = seen_noise(samples, beliefs, labels, source, setup);
+    scales[static_cast<std::size_t>(place(source))] =
+        seen_noise(samples, beliefs, labels, next, source, setup);
   return scales;
 }
 
@@ -347,7 +400,7 @@ FusedHeight describe(const HeightSample& sample, const Belief& belief, const Lab
   const double sigma = std::hypot(std::sqrt(std::max(0.0, belief.covariance(kHeight, kHeight))), guess);
   fused.above_canopy_m = {belief.mean[kHeight], sigma, readings};
   if (options.row_height_m.usable()) {
-    State lifted = State::Zero();
+    State lifted = State::Zero(state_size(setup));
     lifted[kHeight] = lifted[kRowHeight] = 1.0;
     fused.above_ground_m = {
         lifted.dot(belief.mean) + options.row_height_m.value,
@@ -383,9 +436,9 @@ std::string source_name(HeightSource source) {
 }
 
 Result<FusedFlight> fuse(const std::vector<HeightSample>& samples, const FuseOptions& options) {
-  FURROW_DO(check_input(samples, options));
+  Setup setup{options, causes_of(samples)};
+  FURROW_DO(check_input(samples, setup));
   std::vector<Labels> labels = first_labels(samples, options);
-  Setup setup{options};
   FusedFlight flight;
   std::vector<Belief> beliefs;
   for (flight.passes = 1; flight.passes <= kMaxPasses; ++flight.passes) {
@@ -393,14 +446,14 @@ Result<FusedFlight> fuse(const std::vector<HeightSample>& samples, const FuseOpt
     std::vector<Labels> next;
     for (std::size_t i = 0; i < samples.size(); ++i)
       next.push_back(label(samples[i], beliefs[i], labels[i], setup));
-    const auto noise = seen_noises(samples, beliefs, labels, setup);
+    const auto noise = seen_noises(samples, beliefs, labels, next, setup);
     if (same(next, labels) && same(noise, setup.noise_scale)) break;
     labels = std::move(next);
     setup.noise_scale = noise;
   }
   beliefs = smooth(samples, labels, setup);
   flight.noise_scale = setup.noise_scale;
-  flight.surface_open = !any_absolute(samples, options) && on_one_level(labels);
+  flight.surface_open = !any_absolute(samples, setup) && on_one_level(labels);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     flight.heights.push_back(describe(samples[i], beliefs[i], labels[i], setup, flight.surface_open));
   }

@@ -2,6 +2,7 @@
 #include <ceres/jet.h>
 #include <algorithm>
 #include <cmath>
+#include <Eigen/Cholesky>
 #include <optional>
 
 #include "arrow.h"
@@ -21,6 +22,9 @@ constexpr int kPitchBias = 0, kRollBias = 1, kTerrainSlope = 2, kFocal = 3, kFli
 constexpr int kSharedSize = kFarmSize + kFlightSize;
 constexpr int kAllSize = kPoseSize + kSharedSize;
 using AllJet = ceres::Jet<double, kAllSize>;
+constexpr const char* kSharedNames[kSharedSize] = {"row_spacing",   "half_width",  "foliage_depth",
+                                                   "base_ratio",    "pitch_bias",  "roll_bias",
+                                                   "terrain_slope", "focal_factor"};
 
 /// As for one shot: what the claimed sigmas are worth against the misfit that is seen.
 constexpr double kClaimWeight = 20.0;
@@ -348,16 +352,13 @@ ShotVector shot_vector(const Member& member, const Flight& flight) {
 
 /// Shared quantities with what the flight told of each.
 void describe_shared(const Flight& flight, const Eigen::MatrixXd& covariance, RefinedFlight& result) {
-  static const char* const kNames[kSharedSize] = {"row_spacing",   "half_width",  "foliage_depth",
-                                                  "base_ratio",    "pitch_bias",  "roll_bias",
-                                                  "terrain_slope", "focal_factor"};
   const Eigen::VectorXd sigma = covariance.diagonal().cwiseSqrt();
   result.shared_correlation =
       sigma.cwiseInverse().asDiagonal() * covariance * sigma.cwiseInverse().asDiagonal();
   const int count = static_cast<int>(flight.members.size());
   for (int i = 0; i < kSharedSize; ++i) {
     SharedQuantity quantity;
-    quantity.name = kNames[i];
+    quantity.name = kSharedNames[i];
     quantity.prior = flight.shared_priors[static_cast<std::size_t>(i)].wanted;
     // Width and depth count by their magnitudes (prism.h).
     const bool length = i == kHalfWidth || i == kDepth;
@@ -366,7 +367,7 @@ void describe_shared(const Flight& flight, const Eigen::MatrixXd& covariance, Re
     for (int j = 0; j < kSharedSize; ++j) {
       if (j == i || std::abs(result.shared_correlation(i, j)) <= std::abs(quantity.correlation)) continue;
       quantity.correlation = result.shared_correlation(i, j);
-      quantity.most_correlated = kNames[j];
+      quantity.most_correlated = kSharedNames[j];
     }
     result.shared.push_back(quantity);
   }
@@ -434,15 +435,21 @@ std::vector<SigmaShare> flight_budget(const Flight& flight, std::size_t i, const
   return shares;
 }
 
-/// Variance of log H that the shared quantities' errors make (X_i Cov_shared X_i^T of eq. 9.4).
-double common_variance(const ArrowInverse& inverse, std::size_t i) {
+/// What the shared quantities' errors, made independent of one another, do to a shot's height (eq. 9.9): the
+/// j-th is what the j-th quantity adds to those before it.
+std::vector<SigmaShare> shared_shares(const ArrowInverse& inverse, const Eigen::MatrixXd& factor,
+                                      std::size_t i, double height) {
   const Eigen::VectorXd with_shared = inverse.border[i].row(kLogHeight).transpose();
-  return with_shared.dot(inverse.corner.ldlt().solve(with_shared));
+  const Eigen::VectorXd parts = height * factor.triangularView<Eigen::Lower>().solve(with_shared);
+  std::vector<SigmaShare> shares;
+  for (int j = 0; j < kSharedSize; ++j) shares.push_back({kSharedNames[j], parts[j]});
+  return shares;
 }
 
 void describe_shots(const Flight& flight, const ArrowInverse& inverse, const Camera& camera,
                     const FieldKnowledge& field, double noise_scale2, RefinedFlight& result) {
   Eigen::MatrixXd mean_by_intrinsics = Eigen::MatrixXd::Zero(kPoseSize, camera.covariance.rows());
+  const Eigen::MatrixXd factor = inverse.corner.llt().matrixL();
   for (std::size_t i = 0; i < flight.members.size(); ++i) {
     const Member& member = flight.members[i];
     const ShotVector x = shot_vector(member, flight);
@@ -452,20 +459,21 @@ void describe_shots(const Flight& flight, const ArrowInverse& inverse, const Cam
     covariance.bottomLeftCorner<kFarmSize, kPoseSize>() = inverse.border[i].leftCols(kFarmSize).transpose();
     covariance.bottomRightCorner<kFarmSize, kFarmSize>() = inverse.corner.topLeftCorner(kFarmSize, kFarmSize);
     std::vector<SigmaShare> budget = flight_budget(flight, i, inverse, noise_scale2);
-    double common = common_variance(inverse, i);
+    const double height = std::exp(x[kLogHeight]);
+    std::vector<SigmaShare> shared = shared_shares(inverse, factor, i, height);
     if (has_covariance(camera)) {
       const Eigen::MatrixXd g = pose_by_intrinsics(member, x, camera);
-      const Eigen::RowVectorXd of_height = std::exp(x[kLogHeight]) * g.row(kLogHeight);
+      const Eigen::RowVectorXd of_height = height * g.row(kLogHeight);
       add_camera_shares(budget, of_height, camera);
-      common += (g.row(kLogHeight) * camera.covariance).dot(g.row(kLogHeight));
+      shared.push_back({"camera", std::sqrt((of_height * camera.covariance).dot(of_height))});
       covariance.topLeftCorner<kPoseSize, kPoseSize>() += g * camera.covariance * g.transpose();
       mean_by_intrinsics += g / static_cast<double>(flight.members.size());
     }
     RefinedShot shot = describe(member.shot.system, x, covariance, field);
     shot.height_budget = std::move(budget);
     shot.height_budget.push_back({"outline", shot.outline_rise_m.sigma});
-    shot.height_common_sigma_m =
-        std::hypot(std::exp(x[kLogHeight]) * std::sqrt(std::max(0.0, common)), shot.outline_rise_m.sigma);
+    shot.height_shared = std::move(shared);
+    shot.height_shared.push_back({"outline", shot.outline_rise_m.sigma});
     shot.rows_left_out = member.shot.rows_left_out;
     shot.iterations = result.iterations;
     shot.termination = result.termination;

@@ -43,7 +43,7 @@ void add_samples(const sync::Located& located, const std::vector<VisionHeight>& 
     sample.t_s = t - order.front().first;
     if (!fusion.samples.empty()) sample.t_s = std::max(sample.t_s, fusion.samples.back().t_s + kApart_s);
     sample.vision_above_canopy_m = vision[i].above_canopy_m;
-    sample.vision_common_sigma_m = vision[i].common_sigma_m;
+    sample.vision_shared = vision[i].shared;
     sample.baro_height_m = located.poses[i].state.height_takeoff_m;
     sample.vps_height_m = located.poses[i].state.height_vps_m;
     sample.gnss_height_m = gnss[i];
@@ -55,12 +55,11 @@ void add_samples(const sync::Located& located, const std::vector<VisionHeight>& 
 }  // namespace
 
 VisionHeight vision_of_shot(const altitude::RefinedShot& shot) {
-  double own = 0.0;
+  VisionHeight height{shot.height_above_canopy_m, {}};
   for (const altitude::SigmaShare& share : shot.height_budget) {
-    if (share.cause == "picture" || share.cause == "plants") own += share.sigma_m * share.sigma_m;
+    if (share.cause != "picture" && share.cause != "plants") height.shared.push_back(share);
   }
-  const double sigma = shot.height_above_canopy_m.sigma;
-  return {shot.height_above_canopy_m, std::sqrt(std::max(0.0, sigma * sigma - own))};
+  return height;
 }
 
 Result<audit::FlightFusion> fuse_flight(const sync::Located& located, const std::vector<VisionHeight>& vision,
@@ -72,6 +71,8 @@ Result<audit::FlightFusion> fuse_flight(const sync::Located& located, const std:
   }
   altitude::FuseOptions options;
   options.row_height_m = field.row_height_m;
+  if (field.half_width_m.usable())
+    options.vps_canopy_sigma_m = altitude::kOutlineRiseSigmaPerHalfWidth * field.half_width_m.value;
   FURROW_TRY(fusion.fused, altitude::fuse(fusion.samples, options));
   for (const HeightSource source : audit::speaking_sources(fusion)) {
     altitude::FuseOptions without = options;

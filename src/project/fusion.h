@@ -11,10 +11,11 @@ namespace furrow::project {
 /// What the pictures alone say about one shot's height; unusable where they say nothing.
 struct VisionHeight {
   Estimate above_canopy_m;
-  double common_sigma_m = 0.0;  ///< part of the sigma that all shots err by together
+  std::vector<altitude::SigmaShare> shared;  ///< what other shots err by too (HeightSample::vision_shared)
 };
 
-/// Of a shot refined alone: all but its own picture and plants is taken for common to the flight.
+/// Of a shot refined alone: all but its own picture and plants is taken for shared by the flight's shots,
+/// cause by cause.
 VisionHeight vision_of_shot(const altitude::RefinedShot& shot);
 
 /// Vision, barometer, downward sensor and GNSS of every shot that has a time, fused; then again with each

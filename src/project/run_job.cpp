@@ -247,7 +247,7 @@ std::vector<VisionHeight> vision_heights(const std::vector<ShotResult>& results,
   for (std::size_t i = 0; i < results.size(); ++i) {
     heights.push_back(results[i].vision);
     if (flight.ok() && flight->shots[i].usable)
-      heights.back() = {flight->shots[i].height_above_canopy_m, flight->shots[i].height_common_sigma_m};
+      heights.back() = {flight->shots[i].height_above_canopy_m, flight->shots[i].height_shared};
   }
   return heights;
 }

@@ -113,14 +113,71 @@ TEST(Fuse, ErrorsCommonToTheFlightDoNotAverageOut) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
     samples[i].t_s = static_cast<double>(i);
     samples[i].vision_above_canopy_m = {2.06 + random.normal(0.0, 0.04), 0.05, 1};
-    samples[i].vision_common_sigma_m = 0.03;
+    samples[i].vision_shared = {{"row_spacing", 0.03}};
   }
   FuseOptions still = options();
   still.acceleration_sigma = 0.001;
+  still.shots_per_stretch = 1.0;
   const auto fused = fuse(samples, still);
   ASSERT_TRUE(fused.ok()) << fused.error().message();
   EXPECT_GT(fused->heights[100].above_canopy_m.sigma, 0.03);
   EXPECT_LT(fused->heights[100].above_canopy_m.sigma, 0.035);
+}
+
+// Low and oblique, the outline stands 10 cm over the top, as the downward sensor tells; high and straight
+// down no outline counts, and the spacing's error is another.
+TEST(Fuse, CausesThatPicturesShareAreToldApart) {
+  std::vector<HeightSample> samples(40);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    HeightSample& s = samples[i];
+    const bool low = i < 20;
+    s.t_s = static_cast<double>(low ? i : i + 60);
+    s.vision_above_canopy_m = {low ? 2.1 : 10.0, 0.105, 1};
+    s.vision_shared = {{"row_spacing", low ? 0.02 : 0.1}, {"outline", low ? 0.1 : 0.0}};
+    if (low) s.vps_height_m = 2.0;
+  }
+  FuseOptions o = options();
+  o.vps_canopy_sigma_m = 0.001;
+  const auto fused = fuse(samples, o);
+  ASSERT_TRUE(fused.ok()) << fused.error().message();
+  EXPECT_NEAR(fused->heights[10].above_canopy_m.value, 2.0, 0.02);
+  EXPECT_NEAR(fused->heights[30].above_canopy_m.value, 10.0, 0.03);
+  EXPECT_GT(fused->heights[30].above_canopy_m.sigma, 0.09);
+}
+
+// Leaves that a downward sensor hits may lie under the named top: a hundred readings are no better than that.
+TEST(Fuse, TheLeavesLevelDoesNotAverageOut) {
+  std::vector<HeightSample> samples(100);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].t_s = static_cast<double>(i);
+    samples[i].vision_above_canopy_m = {2.0, 0.5, 1};
+    samples[i].vision_shared = {{"outline", 0.499}};
+    samples[i].vps_height_m = 2.0;
+  }
+  FuseOptions still = options();
+  still.acceleration_sigma = 0.001;
+  still.vps_canopy_sigma_m = 0.05;
+  const auto fused = fuse(samples, still);
+  ASSERT_TRUE(fused.ok()) << fused.error().message();
+  EXPECT_GT(fused->heights[50].above_canopy_m.sigma, 0.05);
+  EXPECT_LT(fused->heights[50].above_canopy_m.sigma, 0.055);
+}
+
+// Neighbouring shots see the same plants: with r of them alike the mean of n is worth n / r.
+TEST(Fuse, WhatLastsOverAStretchAveragesSlowly) {
+  std::vector<HeightSample> samples(400);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].t_s = static_cast<double>(i);
+    samples[i].vision_above_canopy_m = {2.0, 0.1, 1};
+  }
+  FuseOptions still = options();
+  still.acceleration_sigma = 1e-6;
+  const auto sigma = [&](double stretch) {
+    still.shots_per_stretch = stretch;
+    return fuse(samples, still)->heights[200].above_canopy_m.sigma;
+  };
+  // Half of the variance lasts: (1 + r) / 2 times the variance of independent shots.
+  EXPECT_NEAR(sigma(4.0) / sigma(1.0), std::sqrt(2.5), 0.1);
 }
 
 // Level flight over a slope: the barometer stands still while the canopy rises by two row heights.
@@ -168,6 +225,7 @@ TEST(Fuse, NoiseIsWhatTheFlightShows) {
   }
   FuseOptions still = options();
   still.acceleration_sigma = 0.01;
+  still.shots_per_stretch = 1.0;
   const auto fused = fuse(samples, still);
   ASSERT_TRUE(fused.ok()) << fused.error().message();
   EXPECT_NEAR(fused->noise_scale[static_cast<std::size_t>(HeightSource::vision)], 2.0, 0.2);

@@ -203,8 +203,10 @@ TEST(RefineFlight, BudgetSplitsTheSigmaOfAHeight) {
     EXPECT_NEAR(squares_of(shot) / (height.sigma * height.sigma), 1.0, 1e-6);
     // Height is proportional to the spacing, which the flight does not tell: 1 %.
     EXPECT_NEAR(share_of(shot, "spacing") / height.value, 0.01, 0.002);
-    EXPECT_GT(shot.height_common_sigma_m, share_of(shot, "spacing"));
-    EXPECT_LT(shot.height_common_sigma_m, height.sigma);
+    double shared = 0.0;
+    for (const SigmaShare& cause : shot.height_shared) shared += cause.sigma_m * cause.sigma_m;
+    EXPECT_GT(std::sqrt(shared), share_of(shot, "spacing"));
+    EXPECT_LT(std::sqrt(shared), height.sigma);
   }
 }
 

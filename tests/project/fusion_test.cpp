@@ -24,21 +24,38 @@ struct Flown {
   std::vector<audit::ShotRecord> records;
 };
 
-/// Heights as pictures give them: a common error of 1 %, 2 % and 2 cm of each shot's own, some without rows,
-/// some far off.
+/// Heights as pictures give them: a spacing that is 1 % wrong and an outline that stands over the named top,
+/// for the whole flight; 2 % and 2 cm of each shot's own, most of which lasts over four shots; some shots
+/// without rows, some far off.
 std::vector<VisionHeight> draw_vision(const std::vector<sim::ShotTruth>& truth, base::Random& random) {
-  constexpr double kCommonShare = 0.01;
-  const double common = random.normal(0.0, kCommonShare);
+  constexpr double kSpacingShare = 0.01, kOutline_m = 0.024, kLasting = 0.8, kKept = 0.6;
+  const double spacing = random.normal(), outline = random.normal();
+  double plants = random.normal();
   std::vector<VisionHeight> vision(truth.size());
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const double height = truth[i].height_above_canopy_m, own = 0.02 * height + 0.02;
+    const double by_spacing = kSpacingShare * height;
+    const double by_outline = kOutline_m / std::tan(-truth[i].attitude.pitch_rad);
+    plants = kKept * plants + std::sqrt(1.0 - kKept * kKept) * random.normal();
+    const double error = spacing * by_spacing + outline * by_outline +
+                         own * (std::sqrt(kLasting) * plants + std::sqrt(1.0 - kLasting) * random.normal());
     if (random.uniform() < 0.08) continue;
     const double off = random.uniform() < 0.04 ? 0.4 * height : 0.0;
-    vision[i] = {
-        {height * (1.0 + common) + random.normal(0.0, own) + off, std::hypot(own, kCommonShare * height), 1},
-        kCommonShare * height};
+    vision[i] = {{height + error + off, std::hypot(own, by_spacing, by_outline), 1},
+                 {{"row_spacing", by_spacing}, {"outline", by_outline}}};
   }
   return vision;
+}
+
+/// Leaves that a downward sensor hits above or below the named top.
+void shift_leaves(sync::Located& located, const std::vector<sim::ShotTruth>& truth, base::Random& random) {
+  const double shift = random.normal(0.0, 0.024);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    double& vps = located.poses[i].state.height_vps_m;
+    const double above_leaves = vps - truth[i].height_above_canopy_m;
+    const double above_soil = vps - truth[i].height_above_ground_m;
+    if (std::abs(above_leaves) < std::abs(above_soil)) vps += shift;
+  }
 }
 
 /// A receiver's height above the ellipsoid: constant bias, slow error.
@@ -69,6 +86,7 @@ Flown fly(sim::Scene scene, std::uint64_t seed, bool gnss = false) {
   if (!located.ok()) ADD_FAILURE() << seed << located.error().message();
   flown.located = std::move(*located);
   flown.vision = draw_vision(flown.truth, random);
+  shift_leaves(flown.located, flown.truth, random);
   if (gnss) add_gnss(flown.located, flown.truth, random);
   const double height = scene.field.row_height_m;
   flown.field.row_height_m = {height + random.normal(0.0, 0.05 * height), 0.05 * height, 1};
@@ -164,7 +182,7 @@ TEST(FuseFlight, SaysWhyThereIsNothingToFuse) {
   for (int i = 0; i < 2; ++i) located.poses[static_cast<std::size_t>(i)].state.t_utc_ns = 0;
   EXPECT_EQ(fuse_flight(located, std::vector<VisionHeight>(2), {}).error().code, "no_absolute_height");
   // Two shots in one second of a clock are two samples.
-  const std::vector<VisionHeight> vision(2, {{2.0, 0.1, 1}, 0.02});
+  const std::vector<VisionHeight> vision(2, {{2.0, 0.1, 1}, {{"row_spacing", 0.02}}});
   const auto fusion = fuse_flight(located, vision, {});
   ASSERT_TRUE(fusion.ok()) << fusion.error().message();
   EXPECT_EQ(fusion->samples.size(), 2U);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "furrow/altitude/shot_height.h"
 #include "furrow/base/result.h"
 #include "furrow/stats/estimate.h"
 
@@ -13,9 +14,10 @@ namespace furrow::altitude {
 struct HeightSample {
   double t_s = 0.0;
   Estimate vision_above_canopy_m;  ///< refine_shot's or refine_flight's
-  /// The part of its sigma that all shots of the flight err by together (spacing, gimbal bias, camera): such
-  /// errors do not average out. 0: every shot errs on its own.
-  double vision_common_sigma_m = 0.0;
+  /// The part of its sigma that is not this shot's own: for each cause that other shots name too (spacing,
+  /// gimbal bias, outline, ...) the metres by which one sigma of it moves this height. Such errors do not
+  /// average out. Empty: every shot errs on its own.
+  std::vector<SigmaShare> vision_shared;
   Estimate depth_above_canopy_m;  ///< from a depth map; may carry a constant bias
   double baro_height_m = std::numeric_limits<double>::quiet_NaN();  ///< above any fixed level; drifts
   double vps_height_m = std::numeric_limits<double>::quiet_NaN();   ///< above what is below: leaves or soil
@@ -47,6 +49,13 @@ struct FuseOptions {
   double ground_rate_drift = 0.02;
   /// One-sigma of a downward sensor's reading over leaves or soil.
   double vps_sigma_m = 0.10;
+  /// One-sigma of how far the leaves that a downward sensor hits lie under or over the top that row_height_m
+  /// names: what is called the top is a matter of words, for the sensor as for the outline. Common to the
+  /// flight.
+  double vps_canopy_sigma_m = 0.024;
+  /// So many shots in a row see much the same plants, and what is a shot's own error in its rows lasts as
+  /// long (FlightOptions::shots_per_stretch). 1: from shot to shot independent.
+  double shots_per_stretch = 4.0;
   /// One-sigma of a GNSS height about its bias, and of the bias's change in one second.
   double gnss_sigma_m = 0.5;
   double gnss_drift_m_per_sqrt_s = 0.02;

@@ -56,8 +56,9 @@ struct RefinedShot {
   /// where held fixed.
   Eigen::MatrixXd covariance;
   std::vector<SigmaShare> height_budget;  ///< of height_above_canopy_m, by cause
-  /// The part of its sigma that all shots of the flight err by together; 0 for a shot refined alone.
-  double height_common_sigma_m = 0.0;
+  /// Causes that all shots of the flight err by together, each independent of the others: metres by which one
+  /// sigma of it moves this shot's height. Empty for a shot refined alone.
+  std::vector<SigmaShare> height_shared;
   int rows_used = 0;      ///< rows that carry the result
   int rows_left_out = 0;  ///< rows found, but too far from the common field to belong to it
   int observations = 0;   ///< samples in the rows used
