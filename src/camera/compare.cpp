@@ -4,6 +4,8 @@
 #include <Eigen/Dense>
 #include <limits>
 
+#include "furrow/geom/hull.h"
+
 namespace furrow::camera {
 namespace {
 
@@ -79,7 +81,8 @@ double expected_rms_px(const Camera& a, const Camera& b, const std::vector<Place
 
 }  // namespace
 
-Result<CameraDifference> compare_cameras(const Camera& a, const Camera& b, int columns, int rows) {
+Result<CameraDifference> compare_cameras(const Camera& a, const Camera& b, int columns, int rows,
+                                         const std::vector<Eigen::Vector2d>& within) {
   check(columns > 1 && rows > 1, "compare_cameras: a grid needs two columns and rows");
   FURROW_DO(validate(a));
   FURROW_DO(validate(b));
@@ -97,6 +100,7 @@ Result<CameraDifference> compare_cameras(const Camera& a, const Camera& b, int c
     for (int i = 0; i < columns; ++i) {
       const Eigen::Vector2d px((i + 0.5) * a.width / columns - 0.5, (j + 0.5) * a.height / rows - 0.5);
       out.at_px.push_back(px);
+      if (!within.empty() && !geom::is_inside(within, px)) continue;
       const auto ray = unproject_ray(a, px);
       if (ray && unproject_ray(b, px)) places.push_back({out.at_px.size() - 1, px, *ray});
     }
@@ -116,6 +120,7 @@ Result<CameraDifference> compare_cameras(const Camera& a, const Camera& b, int c
     if (!px) continue;
     out.difference_px[place.index] = *px - place.px_in_a;
     squared += out.difference_px[place.index].squaredNorm();
+    out.mean_px += out.difference_px[place.index].norm() / static_cast<double>(places.size());
     out.largest_px = std::max(out.largest_px, out.difference_px[place.index].norm());
   }
   out.rms_px = std::sqrt(squared / static_cast<double>(places.size()));

@@ -30,6 +30,7 @@
 #include "furrow/calib/calibrate.h"
 #include "furrow/camera/compare.h"
 #include "furrow/camera/model_files.h"
+#include "furrow/geom/hull.h"
 
 namespace fs = std::filesystem;
 using namespace furrow;
@@ -97,6 +98,7 @@ OpenCvResult opencv_solves(const std::vector<target::BoardDetection>& detections
 struct MrcalResult {
   bool ok = false;
   Camera camera;
+  Camera free;  ///< solved on with mrcal's regularisation off; no width where that failed
   double rms_px = 0.0;
   double all_s = 0.0;    ///< CPU time of the program, Python's start included
   double solve_s = 0.0;  ///< of these, in mrcal.optimize() and its seed
@@ -123,6 +125,15 @@ mrcal.optimize = timed(mrcal.optimize)
 mrcal.seed_stereographic = timed(mrcal.seed_stereographic)
 try: runpy.run_path('/usr/bin/mrcal-calibrate-cameras', run_name='__main__')
 finally: print('## spent', spent, time.process_time())
+)";
+
+/// Solves mrcal's own problem on, from its own answer, without the regularisation that Furrow has not.
+constexpr const char* kFreeMrcal = R"(import glob, mrcal
+model = mrcal.cameramodel(glob.glob('camera*.cameramodel')[0])
+inputs = model.optimization_inputs()
+inputs['do_apply_regularization'] = False
+for again in range(5): mrcal.optimize(**inputs)
+mrcal.cameramodel(optimization_inputs=inputs, icam_intrinsics=0).write('free.cameramodel')
 )";
 
 /// Number after the last `mark` in a log.
@@ -161,7 +172,7 @@ MrcalResult mrcal_solves(const std::vector<target::BoardDetection>& detections,
           << "--outdir . '*' > log.txt 2>&1";
   if (std::system(command.str().c_str()) != 0) return {};
   MrcalResult out;
-  const auto files = base::expand_pattern("*.cameramodel", folder);
+  const auto files = base::expand_pattern("camera*.cameramodel", folder);
   if (!files.ok()) return {};
   const auto camera = camera::read_camera(files->front());
   const auto log = base::read_file(folder / "log.txt");
@@ -171,8 +182,34 @@ MrcalResult mrcal_solves(const std::vector<target::BoardDetection>& detections,
       std::sqrt(2.0) * number_after(*log, "## RMS error: ");  // one a stage; the last is the full solve
   const auto at = log->rfind("## spent ");
   if (at != std::string::npos) std::sscanf(log->c_str() + at, "## spent %lf %lf", &out.solve_s, &out.all_s);
+  if (base::write_file(folder / "free.py", kFreeMrcal).ok() &&
+      std::system(("cd '" + folder.string() + "' && timeout 300 /usr/bin/python3 free.py > free.txt 2>&1")
+                      .c_str()) == 0) {
+    const auto free = camera::read_camera(folder / "free.cameramodel");
+    if (free.ok()) out.free = *free;
+  }
   out.ok = true;
   return out;
+}
+
+/// Outline of all corners that the boards of a solve showed.
+std::vector<Eigen::Vector2d> covered(const calib::Calibration& calibration) {
+  std::vector<Eigen::Vector2d> corners;
+  for (const calib::View& view : calibration.views) {
+    if (view.used) corners.insert(corners.end(), view.observed_px.begin(), view.observed_px.end());
+  }
+  return geom::convex_hull(corners);
+}
+
+/// Mean distance of two cameras' pixels, px: where boards were seen, and over the whole picture.
+void print_difference(const char* from, const calib::Calibration& ours, const Camera& other) {
+  constexpr int kColumns = 48, kRows = 32;
+  const auto near = camera::compare_cameras(ours.camera, other, kColumns, kRows, covered(ours)),
+             whole = camera::compare_cameras(ours.camera, other, kColumns, kRows);
+  if (near.ok() && whole.ok())
+    std::printf("    from %s: mean %.4f px, largest %.3f px over the %.0f %% of the picture with boards; mean "
+                "%.4f px over all of it\n",
+                from, near->mean_px, near->largest_px, 100.0 * near->compared_share, whole->mean_px);
 }
 
 /// Boards as another finder sees them, in the form that our solve takes.
@@ -287,11 +324,14 @@ void bench_set(const Set& set, const fs::path& data, bool finders, bool with_mrc
   std::printf(" | opencv %.4f px %.2f s fx %.1f", opencv.rms_px, opencv.time_s, opencv.fx);
   const MrcalResult mrcal = with_mrcal ? mrcal_solves(detections, board, ours->camera.fx) : MrcalResult{};
   if (mrcal.ok) {
-    const auto difference = camera::compare_cameras(ours->camera, mrcal.camera);
-    std::printf(" | mrcal %.4f px %.3f s (%.1f s in all) fx %.1f, differs %.3f px", mrcal.rms_px,
-                mrcal.solve_s, mrcal.all_s, mrcal.camera.fx, difference.ok() ? difference->rms_px : -1.0);
+    std::printf(" | mrcal %.4f px %.3f s (%.1f s in all) fx %.1f", mrcal.rms_px, mrcal.solve_s, mrcal.all_s,
+                mrcal.camera.fx);
   }
   std::printf("\n");
+  if (mrcal.ok) {
+    print_difference("mrcal", *ours, mrcal.camera);
+    print_difference("mrcal without its regularisation", *ours, mrcal.free);
+  }
   if (finders) bench_finders(*files, set, board);
   std::fflush(stdout);
 }
@@ -333,18 +373,18 @@ void bench_mrcal_board(const fs::path& data, bool with_mrcal) {
   std::printf("mrcal-board-24mp %zu views %.2f s, fx %.2f fy %.2f, warp %.3f %.3f mm", detections.size(),
               solve_s, ours->camera.fx, ours->camera.fy, 1e3 * ours->board_warp_x_m.value,
               1e3 * ours->board_warp_y_m.value);
-  const auto published = camera::read_camera(folder / "opencv8-0.cameramodel");
-  if (published.ok()) {
-    const auto difference = camera::compare_cameras(ours->camera, *published);
-    if (difference.ok())
-      std::printf("; differs %.3f px from the published solve (fx %.2f)", difference->rms_px, published->fx);
-  }
   const MrcalResult mrcal =
       with_mrcal ? mrcal_solves(detections, board, ours->camera.fx, {"LENSMODEL_OPENCV8", true})
                  : MrcalResult{};
   if (mrcal.ok)
     std::printf(" | mrcal %.2f s (%.1f s in all), fx %.2f", mrcal.solve_s, mrcal.all_s, mrcal.camera.fx);
   std::printf("\n");
+  if (mrcal.ok) {
+    print_difference("mrcal", *ours, mrcal.camera);
+    print_difference("mrcal without its regularisation", *ours, mrcal.free);
+  }
+  const auto published = camera::read_camera(folder / "opencv8-0.cameramodel");
+  if (published.ok()) print_difference("mrcal's published solve", *ours, *published);
   options.model = camera::CameraModel::splined_stereographic;
   const double splined_start = cpu_seconds();
   const auto splined = calib::calibrate(detections, board, options);
@@ -352,16 +392,13 @@ void bench_mrcal_board(const fs::path& data, bool with_mrcal) {
     std::printf("mrcal-board-24mp splined %d x %d: %.2f s, RMS %.4f px (opencv8 %.4f px)",
                 splined->camera.spline.columns, splined->camera.spline.rows, cpu_seconds() - splined_start,
                 splined->rms_px, ours->rms_px);
+    std::printf("\n");
     const auto published_splined = camera::read_camera(folder / "splined-0.cameramodel");
-    const auto difference = published_splined.ok()
-                                ? camera::compare_cameras(splined->camera, *published_splined)
-                                : Result<camera::CameraDifference>(published_splined.error());
-    if (difference.ok())
-      std::printf("; differs %.3f px from mrcal's published splined solve", difference->rms_px);
+    if (published_splined.ok()) print_difference("mrcal's published solve", *splined, *published_splined);
+    print_difference("opencv8 of the same corners", *splined, ours->camera);
   } else {
-    std::printf("mrcal-board-24mp splined: %s", splined.error().message().c_str());
+    std::printf("mrcal-board-24mp splined: %s\n", splined.error().message().c_str());
   }
-  std::printf("\n");
 }
 
 void bench_growth() {

@@ -39,6 +39,23 @@ TEST(Compare, TurnThatSaysNothingIsTakenOut) {
   EXPECT_GT(focal->rms_px, 2.0);
 }
 
+// The first coefficient bends the corners of the picture by pixels and its middle by hundredths.
+TEST(Compare, WithinAnOutlineOnlyWhatLiesThere) {
+  const Camera a = narrow_camera();
+  Camera b = a;
+  b.distortion[0] += 0.05;
+  const auto whole = compare_cameras(a, b, 24, 16);
+  const auto middle = compare_cameras(
+      a, b, 24, 16,
+      {{0.4 * a.width, 0.4 * a.height}, {0.6 * a.width, 0.4 * a.height}, {0.6 * a.width, 0.6 * a.height},
+       {0.4 * a.width, 0.6 * a.height}});
+  ASSERT_TRUE(whole.ok() && middle.ok());
+  EXPECT_LT(middle->mean_px, 0.05 * whole->mean_px);
+  EXPECT_LT(middle->compared_share, 0.06);
+  EXPECT_LE(whole->mean_px, whole->rms_px);
+  EXPECT_LE(whole->rms_px, whole->largest_px);
+}
+
 TEST(Compare, PredictedDifferenceIsTheSampledOne) {
   Camera camera = narrow_camera();
   camera.covariance = Eigen::VectorXd::LinSpaced(12, 1.0, 1.0).asDiagonal();

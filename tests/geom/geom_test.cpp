@@ -5,6 +5,7 @@
 #include "furrow/base/random.h"
 #include "furrow/geom/angles.h"
 #include "furrow/geom/attitude.h"
+#include "furrow/geom/hull.h"
 #include "furrow/geom/rigid3.h"
 
 namespace furrow::geom {
@@ -14,6 +15,23 @@ TEST(Angles, Wrap) {
   EXPECT_NEAR(wrap_angle(3 * kPi), -kPi, 1e-12);
   EXPECT_NEAR(wrap_angle(-kPi - 0.1), kPi - 0.1, 1e-12);
   EXPECT_NEAR(wrap_angle(deg_to_rad(370)), deg_to_rad(10), 1e-12);
+}
+
+TEST(Hull, HoldsItsPointsAndHasNoCornerToSpare) {
+  const std::vector<Eigen::Vector2d> square{{0, 0}, {2, 2}, {1, 0}, {2, 0}, {1, 1}, {0, 2}, {0, 0}};
+  const std::vector<Eigen::Vector2d> expected{{0, 0}, {2, 0}, {2, 2}, {0, 2}};
+  EXPECT_EQ(convex_hull(square), expected);
+  for (const Eigen::Vector2d& p : square) EXPECT_TRUE(is_inside(expected, p));
+  EXPECT_FALSE(is_inside(expected, {2.01, 1.0}));
+  EXPECT_FALSE(is_inside(expected, {-0.01, 1.0}));
+  const auto line = convex_hull({{0, 0}, {1, 1}, {2, 2}});
+  EXPECT_LT(line.size(), 3U);
+  EXPECT_FALSE(is_inside(line, {1, 1}));
+  base::Random random(5);
+  std::vector<Eigen::Vector2d> cloud;
+  for (int i = 0; i < 200; ++i) cloud.emplace_back(random.normal(), random.normal());
+  const auto hull = convex_hull(cloud);
+  for (const Eigen::Vector2d& p : cloud) EXPECT_TRUE(is_inside(hull, p));
 }
 
 TEST(Rigid3, ProductsCancel) {

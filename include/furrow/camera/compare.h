@@ -10,7 +10,8 @@ namespace furrow::camera {
 /// lens's own axes better than its calibration did) is taken out.
 struct CameraDifference {
   Eigen::Vector3d b_from_a_rad = Eigen::Vector3d::Zero();  ///< that turn, as a rotation vector
-  double rms_px = 0.0;  ///< root mean square distance over the places compared
+  double rms_px = 0.0;   ///< root mean square distance over the places compared
+  double mean_px = 0.0;  ///< mean distance
   double largest_px = 0.0;
   /// What the two covariances let one expect for rms_px; NaN when either is unknown.
   double expected_rms_px = 0.0;
@@ -21,8 +22,10 @@ struct CameraDifference {
   double compared_share = 0.0;  ///< of the places
 };
 
-/// Compares on a grid of columns x rows places over the picture, at infinity. Errors: picture_sizes_differ;
-/// cameras_do_not_meet (fewer than 3 places have a ray in both).
-Result<CameraDifference> compare_cameras(const Camera& a, const Camera& b, int columns = 24, int rows = 16);
+/// Compares on a grid of columns x rows places over the picture, at infinity; with a convex outline `within`
+/// (geom::convex_hull, as of all corners that a's boards showed) only in there: elsewhere both extrapolate.
+/// Errors: picture_sizes_differ; cameras_do_not_meet (fewer than 3 places have a ray in both).
+Result<CameraDifference> compare_cameras(const Camera& a, const Camera& b, int columns = 24, int rows = 16,
+                                         const std::vector<Eigen::Vector2d>& within = {});
 
 }  // namespace furrow::camera
