@@ -106,16 +106,18 @@ Finding pitch_bias(const std::vector<ShotRecord>& records, const Limits& limits)
 }
 
 Finding trust(const calib::Verdict& verdict) {
-  std::string evidence;
-  for (const calib::Criterion& criterion : verdict.criteria) {
-    if (!criterion.met) evidence += (evidence.empty() ? "" : " ") + criterion.sentence;
-  }
-  for (const std::string& next : verdict.next_pictures) evidence += (evidence.empty() ? "" : " ") + next;
+  std::string evidence = verdict.summary;
+  std::string missing;
+  for (const std::string& one : verdict.next_pictures)
+    missing += (missing.empty() ? " Missing: " : "; ") + one;
+  if (!missing.empty()) evidence += missing + ".";
+  if (!verdict.next_views.empty())
+    evidence += " The next picture that helps most: " + verdict.next_views.front().sentence + ".";
   std::size_t met = 0;
   for (const calib::Criterion& criterion : verdict.criteria) met += criterion.met ? 1 : 0;
   return judged("calibration.trust", "Whether the calibration can be trusted with a height", verdict.trusted,
                 std::to_string(met) + " of " + std::to_string(verdict.criteria.size()) + " conditions met",
-                "all of them", verdict.summary + (evidence.empty() ? "" : " " + evidence));
+                "all of them", evidence);
 }
 
 }  // namespace

@@ -467,13 +467,11 @@ void fill_covariance(const Round& round, const CalibrateOptions& options, Calibr
         "the pictures leave some combination of the parameters undetermined: no sigma can be given");
     return;
   }
-  for (std::size_t i = 0; i < info.view_gain.size(); ++i) {
-    out.views[round.order[i]].information = info.view_gain[i] / (out.sigma0_px * out.sigma0_px);
-  }
   const Eigen::MatrixXd full = full_covariance(round.model, out.sigma0_px * out.sigma0_px * shared);
   const Eigen::Index n = round.model.intrinsics_count();
   // Equal both sides of the diagonal to the last bit, so that it reads back the same from rows or columns.
-  out.camera.covariance = 0.5 * (full.topLeftCorner(n, n) + full.topLeftCorner(n, n).transpose());
+  out.lens_and_board_covariance = 0.5 * (full + full.transpose());
+  out.camera.covariance = out.lens_and_board_covariance.topLeftCorner(n, n);
   out.drift_covariance = out.sigma0_px * out.sigma0_px *
                          lens_and_drift_covariance(round.model, drift_covariance(info, round.solved, shared));
   const Eigen::Vector2d warp_m = warp_of(round.model, round.solved.shared);

@@ -243,7 +243,6 @@ Solved solve(const SharedModel& model, const Eigen::VectorXd& start, const std::
 Information information(const SharedModel& model, const Solved& solved, const std::vector<SolveView>& views) {
   Information out;
   const Eigen::Index m = model.count;
-  constexpr Eigen::Index kMostGainParameters = 32;
   out.shared.setZero(m, m);
   if (model.prior_weight.size() > 0) out.shared.diagonal() = model.prior_weight.cwiseAbs2();
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -259,9 +258,7 @@ Information information(const SharedModel& model, const Solved& solved, const st
     out.pose_inverse.push_back(pose_normal.solve(Eigen::Matrix<double, 6, 6>::Identity()));
     out.pose_tie.push_back(pose_normal.solve(b.transpose() * a));
     const RowMajor left = a - b * out.pose_tie.back();
-    const Eigen::MatrixXd gain = left.transpose() * left;
-    out.shared += gain;
-    if (m <= kMostGainParameters) out.view_gain.push_back(gain);
+    out.shared.noalias() += left.transpose() * left;
     out.squared_sum += residual.squaredNorm();
     for (std::size_t c = 0; c < views[i].seen.px.size(); ++c) {
       out.residuals += views[i].weight.empty() || views[i].weight[c] > 0.0 ? 2 : 0;

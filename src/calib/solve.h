@@ -38,9 +38,6 @@ Solved solve(const SharedModel& model, const Eigen::VectorXd& start, const std::
 struct Information {
   /// Of the shared parameters, poses counted in as unknown (Schur complement), with the prior.
   Eigen::MatrixXd shared;
-  /// Each view's share of `shared`; empty for more parameters than a lens has by formula, to bound the
-  /// memory.
-  std::vector<Eigen::MatrixXd> view_gain;
   std::vector<Eigen::Matrix<double, 6, 6>> pose_inverse;           ///< (B'B)^-1 of each view
   std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> pose_tie;  ///< (B'B)^-1 B'A of each view
   double squared_sum = 0.0;                                        ///< of the weighted residuals

@@ -5,6 +5,9 @@
 #include <Eigen/Eigenvalues>
 #include <limits>
 
+#include "calib/view_information.h"
+#include "furrow/camera/compare.h"
+
 namespace furrow::calib {
 
 namespace {
@@ -98,25 +101,37 @@ std::optional<double> projection_sigma_px(const Calibration& calibration, const 
       std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(*covariance).eigenvalues()[1]));
 }
 
-std::optional<double> height_error_percent(const Camera& camera) {
-  const Eigen::Index n = camera.covariance.rows();
-  if (n < 2) return std::nullopt;
-  // The mean focal length on the axis by the intrinsics: 1/2 each by fx and fy, and a splined lens's knots
-  // around the axis, in which it is linear.
-  const double mean_px = camera::focal_on_axis_px(camera).mean();
-  Eigen::VectorXd by = Eigen::VectorXd::Zero(n);
+Eigen::VectorXd focal_by_intrinsics(const Camera& camera) {
+  // The mean focal length on the axis: 1/2 each by fx and fy, and a splined lens's knots around the axis, in
+  // which it is linear.
+  Eigen::VectorXd by = Eigen::VectorXd::Zero(camera::intrinsics(camera).size());
   by.head<2>().setConstant(0.5);
-  if (camera.model == camera::CameraModel::splined_stereographic) {
-    const auto at = camera::project_with_jacobians(camera, Eigen::Vector3d::UnitZ());
-    for (Eigen::Index i = 4; at && i < at->d_intrinsics.cols(); ++i) {
-      const int place = at->place[static_cast<std::size_t>(i)];
-      Camera moved = camera;
-      moved.distortion[static_cast<std::size_t>(place - 4)] += 1.0;
-      by[place] = camera::focal_on_axis_px(moved).mean() - mean_px;
-    }
+  if (camera.model != camera::CameraModel::splined_stereographic) return by;
+  const double mean_px = camera::focal_on_axis_px(camera).mean();
+  const auto at = camera::project_with_jacobians(camera, Eigen::Vector3d::UnitZ());
+  for (Eigen::Index i = 4; at && i < at->d_intrinsics.cols(); ++i) {
+    const int place = at->place[static_cast<std::size_t>(i)];
+    Camera moved = camera;
+    moved.distortion[static_cast<std::size_t>(place - 4)] += 1.0;
+    by[place] = camera::focal_on_axis_px(moved).mean() - mean_px;
   }
+  return by;
+}
+
+std::optional<double> height_error_percent(const Camera& camera) {
+  if (camera.covariance.rows() < 2) return std::nullopt;
+  const Eigen::VectorXd by = focal_by_intrinsics(camera);
   constexpr double kPercent = 100.0;
-  return kPercent * std::sqrt(std::max(0.0, by.dot(camera.covariance * by))) / mean_px;
+  return kPercent * std::sqrt(std::max(0.0, by.dot(camera.covariance * by))) /
+         camera::focal_on_axis_px(camera).mean();
+}
+
+std::optional<double> picture_sigma_px(const Camera& camera) {
+  if (camera.covariance.rows() < 2) return std::nullopt;
+  const Eigen::MatrixXd by = camera::picture_change(camera);
+  if (by.rows() == 0) return std::nullopt;
+  const double sum = (by * camera.covariance).cwiseProduct(by).sum();
+  return std::sqrt(std::max(0.0, 2.0 * sum / static_cast<double>(by.rows())));
 }
 
 }  // namespace furrow::calib

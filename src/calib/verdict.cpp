@@ -182,13 +182,38 @@ Criterion halves_criterion(const std::optional<Halves>& halves, const TrustLimit
 }
 
 void add_empty_parts(const Calibration& calibration, std::vector<std::string>& out) {
-  const std::array<const char*, 9> names{"upper left", "upper middle", "upper right",  "left",       "middle",
-                                         "right",      "lower left",   "lower middle", "lower right"};
-  const std::vector<int> cells = coverage(calibration, 3, 3);
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (cells[i] == 0)
-      out.push_back(std::string("no board in the ") + names[i] + " of the picture: hold it there");
+  constexpr int kParts = 3;
+  const std::vector<int> cells = coverage(calibration, kParts, kParts);
+  const Camera& camera = calibration.camera;
+  for (int i = 0; i < kParts * kParts; ++i) {
+    if (cells[static_cast<std::size_t>(i)] > 0) continue;
+    const Eigen::Vector2d middle((i % kParts + 0.5) * camera.width / kParts,
+                                 (i / kParts + 0.5) * camera.height / kParts);
+    out.push_back("no board in the " + part_of_picture(camera, middle) + " of the picture: hold it there");
   }
+}
+
+/// Larger of the two sides of the box about a view's corners, as a share of the picture's.
+double filled_share(const View& view, const Camera& camera) {
+  Eigen::Vector2d low = view.observed_px.front(), high = low;
+  for (const Eigen::Vector2d& px : view.observed_px) {
+    low = low.cwiseMin(px);
+    high = high.cwiseMax(px);
+  }
+  return ((high - low).array() / Eigen::Array2d(camera.width, camera.height)).maxCoeff();
+}
+
+void add_small_boards(const Calibration& calibration, std::vector<std::string>& out) {
+  constexpr double kWantedShare = 0.4;
+  double largest = 0.0, nearest_m = std::numeric_limits<double>::infinity();
+  for (const View* view : used_views(calibration)) {
+    largest = std::max(largest, filled_share(*view, calibration.camera));
+    nearest_m = std::min(nearest_m, view->cam_from_board.translation.norm());
+  }
+  if (largest >= kWantedShare || !std::isfinite(nearest_m)) return;
+  out.push_back("nothing nearer than " + format_fixed(nearest_m, 2) + " m: no board fills more than " +
+                format_fixed(kPercent * largest, 0) +
+                " % of the picture; bring it nearer, or take a larger one");
 }
 
 void add_missing_tilts(const std::vector<const View*>& views, std::vector<std::string>& out) {
@@ -254,27 +279,6 @@ std::vector<int> coverage(const Calibration& calibration, int columns, int rows)
   return out;
 }
 
-std::vector<double> information_gain(const Calibration& calibration) {
-  Eigen::MatrixXd all;
-  for (const View* view : used_views(calibration)) {
-    if (all.size() == 0) all.setZero(view->information.rows(), view->information.cols());
-    if (view->information.rows() == all.rows()) all += view->information;
-  }
-  const auto variance_of_focal = [](const Eigen::MatrixXd& information) {
-    if (information.size() == 0) return std::numeric_limits<double>::infinity();
-    const Eigen::LDLT<Eigen::MatrixXd> solver(information);
-    const double variance = solver.solve(Eigen::VectorXd::Unit(information.rows(), 0))[0];
-    return variance > 0.0 && std::isfinite(variance) ? variance : std::numeric_limits<double>::infinity();
-  };
-  const double with_all = variance_of_focal(all);
-  std::vector<double> out;
-  for (const View& view : calibration.views) {
-    const bool known = view.used && view.information.rows() == all.rows() && all.size() > 0;
-    out.push_back(known ? variance_of_focal(all - view.information) / with_all - 1.0 : kNan);
-  }
-  return out;
-}
-
 Verdict judge(const Calibration& calibration, const std::vector<target::BoardDetection>& detections,
               const CalibrateOptions& options, const TrustLimits& limits) {
   Verdict out;
@@ -300,6 +304,9 @@ Verdict judge(const Calibration& calibration, const std::vector<target::BoardDet
   }
   add_empty_parts(calibration, out.next_pictures);
   add_missing_tilts(used_views(calibration), out.next_pictures);
+  add_small_boards(calibration, out.next_pictures);
+  out.next_views = next_views(calibration);
+  out.gains = information_gain(calibration);
   return out;
 }
 
@@ -311,6 +318,29 @@ Camera widened_camera(const Calibration& calibration, const Verdict& verdict) {
                        " times, as two halves of the pictures differ";
   return camera;
 }
+
+namespace {
+
+base::Value next_view_entry(const NextView& view) {
+  const Eigen::Vector3d rotation = geom::rotation_vector(view.cam_from_board.rotation);
+  const Eigen::Vector3d& translation = view.cam_from_board.translation;
+  base::Value pose;
+  pose.set("rotation_vector_rad", base::Array{rotation.x(), rotation.y(), rotation.z()});
+  pose.set("translation_m", base::Array{translation.x(), translation.y(), translation.z()});
+  base::Value out;
+  out.set("cam_from_board", pose);
+  out.set("middle_px", base::Array{view.middle_px.x(), view.middle_px.y()});
+  out.set("distance_m", view.distance_m);
+  out.set("tilt_x_deg", view.tilt_x_rad / kDegree);
+  out.set("tilt_y_deg", view.tilt_y_rad / kDegree);
+  out.set("upright", view.upright);
+  out.set("picture_sigma_px", view.picture_sigma_px);
+  out.set("focal_percent", view.focal_percent);
+  out.set("sentence", view.sentence);
+  return out;
+}
+
+}  // namespace
 
 std::string to_json(const Verdict& verdict) {
   base::Array criteria;
@@ -333,6 +363,18 @@ std::string to_json(const Verdict& verdict) {
   out.set("halves_expected_rms_px", verdict.halves_expected_rms_px);
   out.set("criteria", criteria);
   out.set("next_pictures", next);
+  base::Array views;
+  for (const NextView& view : verdict.next_views) views.push_back(next_view_entry(view));
+  out.set("next_views", views);
+  base::Array gains;
+  for (const ViewGain& gain : verdict.gains) {
+    base::Value one;
+    one.set("image", gain.image);
+    one.set("focal", gain.focal);
+    one.set("picture", gain.picture);
+    gains.push_back(one);
+  }
+  out.set("gains", gains);
   return base::to_json(out) + "\n";
 }
 

@@ -55,6 +55,13 @@ Eigen::Matrix3d fit_turn(const Camera& b, const std::vector<Place>& places) {
   return b_from_a;
 }
 
+/// Takes out of the derivatives `by` what the three columns of `turn` can do as well.
+void take_turn_out(const Eigen::MatrixXd& turn, Eigen::MatrixXd& by) {
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(turn);
+  const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(turn.rows(), turn.cols());
+  by -= q * (q.transpose() * by).eval();
+}
+
 /// Root mean square that the covariances predict for the differences left by the best turn (eq. 5 of
 /// docs/formulation/camera.md).
 double expected_rms_px(const Camera& a, const Camera& b, const std::vector<Place>& places) {
@@ -70,16 +77,36 @@ double expected_rms_px(const Camera& a, const Camera& b, const std::vector<Place
     by_a.middleRows<2>(static_cast<Eigen::Index>(2 * i)) = in_a->by_all_intrinsics(n);
     by_b.middleRows<2>(static_cast<Eigen::Index>(2 * i)) = in_b->by_all_intrinsics(m);
   }
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(turn);
-  const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(rows, 3);
-  by_a -= q * (q.transpose() * by_a).eval();
-  by_b -= q * (q.transpose() * by_b).eval();
+  take_turn_out(turn, by_a);
+  take_turn_out(turn, by_b);
   const double sum =
       (by_a * a.covariance).cwiseProduct(by_a).sum() + (by_b * b.covariance).cwiseProduct(by_b).sum();
   return std::sqrt(std::max(0.0, sum) / static_cast<double>(places.size()));
 }
 
 }  // namespace
+
+Eigen::MatrixXd picture_change(const Camera& camera, int columns, int rows) {
+  check(columns > 1 && rows > 1, "picture_change: a grid needs two columns and rows");
+  const Eigen::Index n = intrinsics(camera).size();
+  Eigen::MatrixXd by(2 * columns * rows, n), turn(2 * columns * rows, 3);
+  Eigen::Index used = 0;
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < columns; ++i) {
+      const auto ray = unproject_ray(
+          camera, {(i + 0.5) * camera.width / columns - 0.5, (j + 0.5) * camera.height / rows - 0.5});
+      const auto seen = ray ? project_with_jacobians(camera, *ray) : std::nullopt;
+      if (!seen) continue;
+      by.middleRows<2>(used) = seen->by_all_intrinsics(n);
+      turn.middleRows<2>(used) = by_turn(*seen, *ray);
+      used += 2;
+    }
+  }
+  by.conservativeResize(used, n);
+  if (used < 3) return by;
+  take_turn_out(turn.topRows(used), by);
+  return by;
+}
 
 Result<CameraDifference> compare_cameras(const Camera& a, const Camera& b, int columns, int rows,
                                          const std::vector<Eigen::Vector2d>& within) {

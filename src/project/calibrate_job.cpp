@@ -105,7 +105,7 @@ Result<CalibrateOutcome> calibrate_job(const std::vector<std::filesystem::path>&
   outcome.calibration = std::move(judged.calibration);
   for (const auto& figure : made) FURROW_DO(figures::write_figure(out / "figures", figure));
   const auto page = calibration_page(
-      outcome.calibration, calibration_section(outcome.calibration, outcome.findings, std::move(made)));
+      outcome.calibration, calibration_section(outcome.calibration, judged.verdict, outcome.findings, std::move(made)));
   FURROW_DO(base::write_file(out / "report.html", report::to_html(page)));
   base::report(job.progress, "drawing", 1, 1);
   return outcome;

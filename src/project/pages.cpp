@@ -38,17 +38,49 @@ report::PageTable camera_table(const Camera& camera) {
   return table;
 }
 
-report::PageTable view_table(const calib::Calibration& calibration) {
+/// A share as what it adds, in percent.
+std::string growth(double share) {
+  if (std::isnan(share)) return "";
+  return std::isfinite(share) ? format_fixed(100.0 * share, 1) + " %" : "the rest fixes no lens";
+}
+
+report::PageTable view_table(const calib::Calibration& calibration,
+                             const std::vector<calib::ViewGain>& gains) {
   report::PageTable table;
-  table.caption = "Pictures of the board";
+  table.caption =
+      "Pictures of the board; the last columns but one say by how much the sigmas of the focal length and of "
+      "the whole picture would grow without that one";
   table.collapsed = calibration.views.size() > 20;
-  table.cells.columns = {"picture", "used", "RMS / px", "mean error / px", "why not"};
-  for (const calib::View& view : calibration.views) {
-    table.cells.rows.push_back({view.image, view.used ? "yes" : "no",
-                                view.used ? format_fixed(view.rms_px, 3) : "",
-                                view.used ? format_fixed(view.mean_error_px, 3) : "", view.reason});
+  table.cells.columns = {"picture",           "used",         "RMS / px", "mean error / px",
+                         "focal length adds", "picture adds", "why not"};
+  for (std::size_t i = 0; i < calibration.views.size(); ++i) {
+    const calib::View& view = calibration.views[i];
+    const bool known = view.used && i < gains.size();
+    table.cells.rows.push_back(
+        {view.image, view.used ? "yes" : "no", view.used ? format_fixed(view.rms_px, 3) : "",
+         view.used ? format_fixed(view.mean_error_px, 3) : "", known ? growth(gains[i].focal) : "",
+         known ? growth(gains[i].picture) : "", view.reason});
   }
   return table;
+}
+
+/// What the set lacks, in words, and the poses that would help most.
+void add_next_pictures(const calib::Verdict& verdict, report::Section& section) {
+  std::string missing;
+  for (const std::string& one : verdict.next_pictures) missing += (missing.empty() ? "" : "; ") + one;
+  if (!missing.empty()) section.paragraphs.push_back("Missing among the pictures: " + missing + ".");
+  if (verdict.next_views.empty()) return;
+  report::PageTable table;
+  table.caption =
+      "Which pictures to take next, each counting on those before it; sigmas are what the corners' noise "
+      "leaves";
+  table.cells.columns = {"", "hold the board so", "sigma of the picture / px", "of the focal length / %"};
+  for (std::size_t i = 0; i < verdict.next_views.size(); ++i) {
+    const calib::NextView& view = verdict.next_views[i];
+    table.cells.rows.push_back({std::to_string(i + 1), view.how_to_hold,
+                                format_fixed(view.picture_sigma_px, 3), format_fixed(view.focal_percent, 3)});
+  }
+  section.tables.push_back(std::move(table));
 }
 
 report::PageTable truth_table(const std::vector<audit::TruthComparison>& comparison) {
@@ -196,7 +228,7 @@ Result<std::vector<figures::Figure>> calibration_figures(const calib::Calibratio
   return made;
 }
 
-report::Section calibration_section(const calib::Calibration& calibration,
+report::Section calibration_section(const calib::Calibration& calibration, const calib::Verdict& verdict,
                                     const std::vector<audit::Finding>& findings,
                                     std::vector<figures::Figure> made) {
   report::Section section;
@@ -221,7 +253,8 @@ report::Section calibration_section(const calib::Calibration& calibration,
   section.paragraphs.insert(section.paragraphs.end(), calibration.warnings.begin(),
                             calibration.warnings.end());
   section.findings = findings;
-  section.tables = {camera_table(calibration.camera), view_table(calibration)};
+  section.tables = {camera_table(calibration.camera), view_table(calibration, verdict.gains)};
+  add_next_pictures(verdict, section);
   section.figures = std::move(made);
   return section;
 }

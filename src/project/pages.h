@@ -22,8 +22,9 @@ Result<std::vector<figures::Figure>> calibration_figures(const calib::Calibratio
                                                          const calib::Verdict& verdict,
                                                          double flight_height_m);
 
-/// "Calibration" as a section: findings, parameters with sigma, views, figures.
-report::Section calibration_section(const calib::Calibration& calibration,
+/// "Calibration" as a section: findings, parameters with sigma, views and what each adds, which pictures to
+/// take next, figures.
+report::Section calibration_section(const calib::Calibration& calibration, const calib::Verdict& verdict,
                                     const std::vector<audit::Finding>& findings,
                                     std::vector<figures::Figure> figures);
 

@@ -413,7 +413,8 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
     FURROW_TRY(auto made, calibration_figures(calibration, tables.camera.calibration->verdict,
                                               flown_height_m(outcome.records)));
     const auto findings = audit::assess_calibration(calibration, tables.camera.calibration->verdict);
-    content.calibration.push_back(calibration_section(calibration, findings, std::move(made)));
+    content.calibration.push_back(
+        calibration_section(calibration, tables.camera.calibration->verdict, findings, std::move(made)));
     outcome.findings.insert(outcome.findings.end(), findings.begin(), findings.end());
     for (const std::string& file : calibration_files(calibration)) files.push_back("calibration/" + file);
     for (const auto& figure : content.calibration[0].figures) {

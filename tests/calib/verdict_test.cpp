@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <numeric>
 
 #include "calib/synthetic.h"
 #include "furrow/base/file.h"
@@ -111,28 +110,6 @@ TEST(Verdict, StretchedBoardAndStretchedPicturesAreToldApart) {
   verdict = judge(*found, resampled);
   EXPECT_TRUE(criterion(verdict, "aspect").met);
   EXPECT_NE(criterion(verdict, "aspect").sentence.find("pictures themselves"), std::string::npos);
-}
-
-TEST(Verdict, ViewsAddWhatTheyAdd) {
-  const auto views = session(true_camera(), true_board(), Session{});
-  const auto found = calibrate(views, true_board());
-  ASSERT_TRUE(found.ok());
-  const std::vector<double> gain = information_gain(*found);
-  ASSERT_EQ(gain.size(), views.size());
-  for (std::size_t i = 0; i < gain.size(); ++i) {
-    EXPECT_GT(gain[i], 0.0);
-    auto rest = views;
-    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
-    const auto without = calibrate(rest, true_board());
-    ASSERT_TRUE(without.ok());
-    // The claim is linear at the full solution and knows one sigma0; the fresh solve has its own of both.
-    const double scale = std::pow(found->sigma0_px / without->sigma0_px, 2);
-    EXPECT_NEAR(without->camera.covariance(0, 0) * scale / found->camera.covariance(0, 0), 1.0 + gain[i],
-                0.1 * (1.0 + gain[i]));
-  }
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(9, 9);
-  for (const View& view : found->views) sum += view.information;
-  EXPECT_LT((sum * found->camera.covariance - Eigen::MatrixXd::Identity(9, 9)).norm(), 1e-5);
 }
 
 TEST(Verdict, WidenedCameraCarriesTheFactor) {

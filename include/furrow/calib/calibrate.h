@@ -49,10 +49,6 @@ struct View {
   std::vector<double> weight;                ///< of each corner in the solve; empty: all alike
   std::vector<bool>
       left_out;  ///< corners rejected as outliers; empty when none was looked for. Not counted in rms_px.
-  /// What this view tells about the solved parameters (fx, fy or f, cx, cy, ...) with its own pose unknown:
-  /// their information matrix over sigma0 squared; all views' sum is the inverse of the parameters'
-  /// covariance. 0 x 0 when not used.
-  Eigen::MatrixXd information;
 };
 
 /// A solved camera with everything a report needs.
@@ -72,6 +68,9 @@ struct Calibration {
   /// covariance.
   double sigma0_px = 0.0;
   int degrees_of_freedom = 0;  ///< 2 corners - parameters, poses counted
+  /// Covariance of (intrinsics, the board's aspect, its warp along x and y), 0 for what was not solved; the
+  /// camera's own is its top-left part. 0 x 0 when unknown.
+  Eigen::MatrixXd lens_and_board_covariance;
   /// Covariance of (intrinsics, mean turn of the boards as seen from the camera in rad, their mean shift in
   /// m): all that projection uncertainty needs of the poses. 0 x 0 when unknown.
   Eigen::MatrixXd drift_covariance;

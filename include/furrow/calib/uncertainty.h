@@ -36,6 +36,11 @@ std::optional<double> height_error_percent_at(const Calibration& calibration, co
 UncertaintyMap height_error_map(const Calibration& calibration, double distance_m, int columns = 48,
                                 int rows = 32);
 
+/// Root mean square, over the picture, of the standard deviation (px, both coordinates together) of where a
+/// direction is seen, with what a turn of the camera would do as well taken out: one number for how well the
+/// lens is known. Nothing without a covariance.
+std::optional<double> picture_sigma_px(const Camera& camera);
+
 /// One-sigma height error, in percent of the height, that the focal length alone causes: a height from a
 /// known length on the ground goes with f one to one. Nothing without a covariance.
 std::optional<double> height_error_percent(const Camera& camera);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "furrow/calib/calibrate.h"
+#include "furrow/calib/views.h"
 #include "furrow/camera/compare.h"
 
 namespace furrow::calib {
@@ -54,7 +55,9 @@ struct Verdict {
       0.0;  ///< root mean square difference of the two halves over the picture; NaN as above
   double halves_expected_rms_px = 0.0;             ///< what their covariances predict for it
   std::optional<camera::CameraDifference> halves;  ///< of the two halves over the picture, for a map
-  std::vector<std::string> next_pictures;          ///< what to photograph next, in words
+  std::vector<std::string> next_pictures;          ///< what is missing among the boards, in words
+  std::vector<NextView> next_views;                ///< which pictures would help most, in this order
+  std::vector<ViewGain> gains;                     ///< what each view adds, in the views' order
 };
 
 /// Judges a calibration that calibrate() made of these detections with these options; solves two halves of
@@ -71,10 +74,6 @@ double largest_tilt_rad(const Calibration& calibration);
 
 /// Count of corners in each of columns x rows cells of the picture, row by row.
 std::vector<int> coverage(const Calibration& calibration, int columns, int rows);
-
-/// What each used view adds: the share by which the variance of fx would grow without it; NaN for unused
-/// views, infinity where the rest would not determine fx.
-std::vector<double> information_gain(const Calibration& calibration);
 
 /// The verdict as JSON, for calibration reports.
 std::string to_json(const Verdict& verdict);

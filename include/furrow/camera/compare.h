@@ -28,4 +28,9 @@ struct CameraDifference {
 Result<CameraDifference> compare_cameras(const Camera& a, const Camera& b, int columns = 24, int rows = 16,
                                          const std::vector<Eigen::Vector2d>& within = {});
 
+/// How the picture bends when the intrinsics change: derivatives of the pixels, x and y in turn, of columns x
+/// rows directions over the picture by the intrinsics, with what a turn of the camera would do as well taken
+/// out (docs/formulation/camera.md, eq. 5). Directions without a ray are left out.
+Eigen::MatrixXd picture_change(const Camera& camera, int columns = 24, int rows = 16);
+
 }  // namespace furrow::camera
