@@ -3,11 +3,11 @@
 //
 //   bench_calibration [--data DIR] [--finders] [--no-mrcal] [NAME...]
 //
-// --finders also runs OpenCV's two finders and mrgingham (minutes on large pictures) and solves their corners. RMS is sqrt(sum of squared distances
-// / corners) for all; mrcal prints it per coordinate, so its number is multiplied by sqrt(2). Solve times are
-// CPU times, start values included; mrcal's is the sum over mrcal.optimize() and its seed inside its own
-// program, and "in all" that program's, Python's start included. mrcal is told the focal length, Furrow and
-// OpenCV are not.
+// --finders also runs OpenCV's two finders and mrgingham (minutes on large pictures) and solves their
+// corners. RMS is sqrt(sum of squared distances / corners) for all; mrcal prints it per coordinate, so its
+// number is multiplied by sqrt(2). Solve times are CPU times, start values included; mrcal's is the sum over
+// mrcal.optimize() and its seed inside its own program, and "in all" that program's, Python's start included.
+// mrcal is told the focal length, Furrow and OpenCV are not.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -31,6 +31,7 @@
 #include "furrow/camera/compare.h"
 #include "furrow/camera/model_files.h"
 #include "furrow/geom/hull.h"
+#include "furrow/stats/robust.h"
 
 namespace fs = std::filesystem;
 using namespace furrow;
@@ -183,8 +184,9 @@ MrcalResult mrcal_solves(const std::vector<target::BoardDetection>& detections,
   const auto at = log->rfind("## spent ");
   if (at != std::string::npos) std::sscanf(log->c_str() + at, "## spent %lf %lf", &out.solve_s, &out.all_s);
   if (base::write_file(folder / "free.py", kFreeMrcal).ok() &&
-      std::system(("cd '" + folder.string() + "' && timeout 300 /usr/bin/python3 free.py > free.txt 2>&1")
-                      .c_str()) == 0) {
+      std::system(
+          ("cd '" + folder.string() + "' && timeout 300 /usr/bin/python3 free.py > free.txt 2>&1").c_str()) ==
+          0) {
     const auto free = camera::read_camera(folder / "free.cameramodel");
     if (free.ok()) out.free = *free;
   }
@@ -207,9 +209,10 @@ void print_difference(const char* from, const calib::Calibration& ours, const Ca
   const auto near = camera::compare_cameras(ours.camera, other, kColumns, kRows, covered(ours)),
              whole = camera::compare_cameras(ours.camera, other, kColumns, kRows);
   if (near.ok() && whole.ok())
-    std::printf("    from %s: mean %.4f px, largest %.3f px over the %.0f %% of the picture with boards; mean "
-                "%.4f px over all of it\n",
-                from, near->mean_px, near->largest_px, 100.0 * near->compared_share, whole->mean_px);
+    std::printf(
+        "    from %s: mean %.4f px, largest %.3f px over the %.0f %% of the picture with boards; mean "
+        "%.4f px over all of it\n",
+        from, near->mean_px, near->largest_px, 100.0 * near->compared_share, whole->mean_px);
 }
 
 /// Boards as another finder sees them, in the form that our solve takes.
@@ -279,24 +282,60 @@ std::vector<target::BoardDetection> found_by_mrgingham(const std::vector<fs::pat
   return out;
 }
 
+/// Names of the pictures in which `seen` has a board and `not_in` has none.
+std::string only_in(const std::vector<target::BoardDetection>& seen,
+                    const std::vector<target::BoardDetection>& not_in) {
+  std::string out;
+  for (const auto& one : seen) {
+    const std::string name = fs::path(one.image).filename().string();
+    const bool there = std::any_of(not_in.begin(), not_in.end(), [&](const auto& other) {
+      return other.found && fs::path(other.image).filename() == name;
+    });
+    if (one.found && !there) out += " " + name;
+  }
+  return out;
+}
+
+/// Views that no solve fits: over five times the median view's RMS, the mark of a wrong grid.
+std::string wrong_grids(const calib::Calibration& solved) {
+  std::vector<double> rms_px;
+  for (const calib::View& view : solved.views) {
+    if (view.used) rms_px.push_back(view.rms_px);
+  }
+  constexpr double kWrong = 5.0;
+  std::string out;
+  for (const calib::View& view : solved.views) {
+    if (view.used && view.rms_px > kWrong * stats::median(rms_px))
+      out += " " + view.image + " (" + base::format_fixed(view.rms_px, 1) + " px)";
+  }
+  return out;
+}
+
 void print_finder(const char* name, const std::vector<target::BoardDetection>& seen, double time_s,
-                  const target::BoardSpec& board) {
+                  const target::BoardSpec& board, const std::vector<target::BoardDetection>& ours) {
   const auto found = std::count_if(seen.begin(), seen.end(), [](const auto& d) { return d.found; });
   const auto solved = calib::calibrate(seen, board);
   std::printf("    %-9s %3d boards %7.2f s  RMS after our solve %s px\n", name, static_cast<int>(found),
               time_s, solved.ok() ? base::format_fixed(solved->rms_px, 4).c_str() : "-");
+  const std::string more = only_in(seen, ours), less = only_in(ours, seen),
+                    wrong = solved.ok() ? wrong_grids(*solved) : "";
+  if (!more.empty()) std::printf("      found by it and not by Furrow:%s\n", more.c_str());
+  if (!less.empty()) std::printf("      found by Furrow and not by it:%s\n", less.c_str());
+  if (!wrong.empty()) std::printf("      grids that fit no solve:%s\n", wrong.c_str());
+  std::fflush(stdout);
 }
 
-void bench_finders(const std::vector<fs::path>& files, const Set& set, const target::BoardSpec& board) {
+void bench_finders(const std::vector<fs::path>& files, const Set& set, const target::BoardSpec& board,
+                   const std::vector<target::BoardDetection>& ours) {
   for (const Finder& finder : {Finder{"SB", find_sector_based}, Finder{"classic", find_classic}}) {
     const double start = seconds();
     const auto seen = found_by_opencv(files, set, finder);
-    print_finder(finder.name, seen, seconds() - start, board);
+    print_finder(finder.name, seen, seconds() - start, board, ours);
   }
-  if (set.corners_x != set.corners_y) return;
+  if (set.corners_x != set.corners_y || std::system("command -v mrgingham > /dev/null") != 0) return;
   const double start = seconds();
   const auto seen = found_by_mrgingham(files, set);
-  print_finder("mrgingham", seen, seconds() - start, board);
+  print_finder("mrgingham", seen, seconds() - start, board, ours);
 }
 
 void bench_set(const Set& set, const fs::path& data, bool finders, bool with_mrcal) {
@@ -322,17 +361,23 @@ void bench_set(const Set& set, const fs::path& data, bool finders, bool with_mrc
   std::printf(" | furrow %.4f px %.3f s fx %.1f", ours->rms_px, solve_s, ours->camera.fx);
   const OpenCvResult opencv = opencv_solves(detections, board);
   std::printf(" | opencv %.4f px %.2f s fx %.1f", opencv.rms_px, opencv.time_s, opencv.fx);
-  const MrcalResult mrcal = with_mrcal ? mrcal_solves(detections, board, ours->camera.fx) : MrcalResult{};
+  // Beyond 180 degrees no Brown-Conrady lens fits, and mrcal's solve runs away.
+  constexpr double kFitsAtAll = 1.5;
+  const MrcalResult mrcal = with_mrcal && ours->rms_px < kFitsAtAll
+                                ? mrcal_solves(detections, board, ours->camera.fx)
+                                : MrcalResult{};
   if (mrcal.ok) {
     std::printf(" | mrcal %.4f px %.3f s (%.1f s in all) fx %.1f", mrcal.rms_px, mrcal.solve_s, mrcal.all_s,
                 mrcal.camera.fx);
   }
   std::printf("\n");
+  const std::string wrong = wrong_grids(*ours);
+  if (!wrong.empty()) std::printf("    grids that fit no solve:%s\n", wrong.c_str());
   if (mrcal.ok) {
     print_difference("mrcal", *ours, mrcal.camera);
     print_difference("mrcal without its regularisation", *ours, mrcal.free);
   }
-  if (finders) bench_finders(*files, set, board);
+  if (finders) bench_finders(*files, set, board, detections);
   std::fflush(stdout);
 }
 
