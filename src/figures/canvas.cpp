@@ -439,11 +439,14 @@ Result<Rendered> render(const Drawing& drawing, double dpi, const std::string& t
   Rendered made;
   made.width_px = static_cast<int>(std::lround(wide));
   made.height_px = static_cast<int>(std::lround(high));
-  const std::scoped_lock lock(vtk_mutex());
   const std::vector<Image> pictures = fitted_pictures(drawing, px_per_pt);
-  FURROW_TRY(const Image pixels, paint_pixels(drawing, px_per_pt, made.width_px, made.height_px, pictures));
+  Image pixels;
+  {
+    const std::scoped_lock lock(vtk_mutex());
+    FURROW_TRY(pixels, paint_pixels(drawing, px_per_pt, made.width_px, made.height_px, pictures));
+    made.svg = paint_svg(drawing, pictures, title, description);
+  }
   made.png = with_resolution(image::encode_image(pixels, ".png"), dpi);
-  made.svg = paint_svg(drawing, pictures, title, description);
   return made;
 }
 

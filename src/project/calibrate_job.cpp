@@ -66,8 +66,7 @@ Status write_calibration(const std::filesystem::path& out, const JudgedCalibrati
 
 Result<JudgedCalibration> calibrate_from_pictures(const std::vector<std::filesystem::path>& images,
                                                   const BoardSource& source,
-                                                  const CalibrateJobOptions& options,
-                                                  const JobOptions& job) {
+                                                  const CalibrateJobOptions& options, const JobOptions& job) {
   FURROW_TRY(const target::BoardSpec board, board_from(source, images, job));
   const auto detections = target::detect_boards(images, board, {}, job.threads, job.progress);
   calib::CalibrateOptions solve = options.solve;
@@ -101,11 +100,13 @@ Result<CalibrateOutcome> calibrate_job(const std::vector<std::filesystem::path>&
   outcome.files = calibration_files(judged.calibration);
   outcome.files.emplace_back("report.html");
   base::report(job.progress, "drawing", 0, 1);
-  FURROW_TRY(auto made, calibration_figures(judged.calibration, judged.verdict, options.flight_height_m));
+  FURROW_TRY(auto made,
+             calibration_figures(judged.calibration, judged.verdict, options.flight_height_m, job.threads));
   outcome.calibration = std::move(judged.calibration);
   for (const auto& figure : made) FURROW_DO(figures::write_figure(out / "figures", figure));
   const auto page = calibration_page(
-      outcome.calibration, calibration_section(outcome.calibration, judged.verdict, outcome.findings, std::move(made)));
+      outcome.calibration,
+      calibration_section(outcome.calibration, judged.verdict, outcome.findings, std::move(made)));
   FURROW_DO(base::write_file(out / "report.html", report::to_html(page)));
   base::report(job.progress, "drawing", 1, 1);
   return outcome;

@@ -1,8 +1,11 @@
 #include "project/pages.h"
 
 #include <cmath>
+#include <functional>
+#include <optional>
 
 #include "furrow/audit/truth.h"
+#include "furrow/base/parallel.h"
 #include "furrow/base/text.h"
 #include "furrow/base/version.h"
 #include "furrow/calib/uncertainty.h"
@@ -174,56 +177,72 @@ std::string with_sigma(double value, double sigma, int decimals) {
 
 namespace {
 
-/// A figure that a calibration may have no numbers for.
-void add_if_drawn(Result<figures::Figure> figure, std::vector<figures::Figure>& made) {
-  if (figure.ok()) made.push_back(std::move(figure).value());
-}
+/// A figure to draw; one that is not wanted is left out where a calibration has no numbers for it.
+struct ToDraw {
+  bool wanted;
+  std::function<Result<figures::Figure>()> draw;
+};
 
 void add_uncertainty(const calib::Calibration& calibration, double flight_height_m,
-                     std::vector<figures::Figure>& made) {
+                     std::vector<ToDraw>& out) {
   const Camera& camera = calibration.camera;
   const std::string height = format_fixed(flight_height_m, 1) + " m";
-  const auto sigma = calib::projection_sigma_map(calibration, flight_height_m);
-  add_if_drawn(
-      figures::picture_map({"projection_uncertainty", "projection sigma / px",
+  const auto map = [&camera](const std::string& name, const std::string& quantity, const std::string& caption,
+                             calib::UncertaintyMap (*values)(const calib::Calibration&, double, int, int),
+                             const calib::Calibration& of, double distance_m) {
+    constexpr int kColumns = 48, kRows = 32;
+    return [=, &camera, &of] {
+      return figures::picture_map({name, quantity, caption, kColumns, kRows, camera.width, camera.height,
+                                   values(of, distance_m, kColumns, kRows).values});
+    };
+  };
+  out.push_back({false, map("projection_uncertainty", "projection sigma / px",
                             "Standard deviation, in the worst direction, of where a point " + height +
                                 " away is seen: what the corners' noise leaves open of the lens, the boards' "
                                 "poses counted (mrcal's definition).",
-                            sigma.columns, sigma.rows, camera.width, camera.height, sigma.values}),
-      made);
-  const auto error = calib::height_error_map(calibration, flight_height_m);
-  add_if_drawn(
-      figures::picture_map({"height_error", "height error / %",
+                            calib::projection_sigma_map, calibration, flight_height_m)});
+  out.push_back({false, map("height_error", "height error / %",
                             "The same as an error of the height, one sigma, when a known length between the "
                             "picture's middle and that place is seen from " +
                                 height + "; in the middle it is the focal length's.",
-                            error.columns, error.rows, camera.width, camera.height, error.values}),
-      made);
+                            calib::height_error_map, calibration, flight_height_m)});
+}
+
+std::vector<ToDraw> to_draw(const calib::Calibration& calibration, const calib::Verdict& verdict,
+                            double flight_height_m) {
+  std::vector<ToDraw> out{
+      {true, [&] { return figures::reprojection_bars(calibration); }},
+      {true, [&] { return figures::board_poses(calibration); }},
+      {true, [&] { return figures::coverage_map(calibration); }},
+      {true, [&] { return figures::residual_map(calibration); }},
+      {true, [&] { return figures::residual_histogram(calibration); }},
+      {false, [&] { return figures::distortion_curve(camera::distortion_curve(calibration.camera)); }}};
+  add_uncertainty(calibration, flight_height_m, out);
+  if (!verdict.halves) return out;
+  out.push_back({false, [&] {
+                   return figures::picture_map(figures::difference_map(
+                       "halves_difference",
+                       "Cross-validation: how far two cameras, each solved from every other picture, put the "
+                       "same direction apart; RMS " +
+                           format_fixed(verdict.halves_rms_px, 3) + " px, where their covariances predict " +
+                           format_fixed(verdict.halves_expected_rms_px, 3) + " px.",
+                       calibration.camera, *verdict.halves));
+                 }});
+  return out;
 }
 
 }  // namespace
 
 Result<std::vector<figures::Figure>> calibration_figures(const calib::Calibration& calibration,
                                                          const calib::Verdict& verdict,
-                                                         double flight_height_m) {
+                                                         double flight_height_m, int threads) {
+  const std::vector<ToDraw> wanted = to_draw(calibration, verdict, flight_height_m);
+  std::vector<std::optional<Result<figures::Figure>>> drawn(wanted.size());
+  base::parallel_for(wanted.size(), threads, [&](std::size_t i) { drawn[i] = wanted[i].draw(); });
   std::vector<figures::Figure> made;
-  FURROW_TRY(made.emplace_back(), figures::reprojection_bars(calibration));
-  FURROW_TRY(made.emplace_back(), figures::board_poses(calibration));
-  FURROW_TRY(made.emplace_back(), figures::coverage_map(calibration));
-  FURROW_TRY(made.emplace_back(), figures::residual_map(calibration));
-  FURROW_TRY(made.emplace_back(), figures::residual_histogram(calibration));
-  add_if_drawn(figures::distortion_curve(camera::distortion_curve(calibration.camera)), made);
-  add_uncertainty(calibration, flight_height_m, made);
-  if (verdict.halves) {
-    add_if_drawn(
-        figures::picture_map(figures::difference_map(
-            "halves_difference",
-            "Cross-validation: how far two cameras, each solved from every other picture, put the same "
-            "direction apart; RMS " +
-                format_fixed(verdict.halves_rms_px, 3) + " px, where their covariances predict " +
-                format_fixed(verdict.halves_expected_rms_px, 3) + " px.",
-            calibration.camera, *verdict.halves)),
-        made);
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    if (!drawn[i]->ok() && wanted[i].wanted) return drawn[i]->error();
+    if (drawn[i]->ok()) made.push_back(std::move(*drawn[i]).value());
   }
   return made;
 }

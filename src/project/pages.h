@@ -20,7 +20,7 @@ std::string with_sigma(double value, double sigma, int decimals);
 /// halves of the pictures differ. What a calibration has no numbers for is left out.
 Result<std::vector<figures::Figure>> calibration_figures(const calib::Calibration& calibration,
                                                          const calib::Verdict& verdict,
-                                                         double flight_height_m);
+                                                         double flight_height_m, int threads = 0);
 
 /// "Calibration" as a section: findings, parameters with sigma, views and what each adds, which pictures to
 /// take next, figures.
