@@ -256,7 +256,7 @@ void fold_all(const Strips& strips, const Rectified& rectified, const Sheared& s
   // Successive spacings: six rows from the middle that is a quarter of a spacing.
   constexpr double kRatio =
       1.04;  // successive spacings: eight rows from the middle that is a quarter of a spacing
-  const double least = std::max(6.0, 4.0 * rectified.bin_px), most = 0.75 * strips.width;
+  const double least = std::max(6.0, 2.5 * rectified.bin_px), most = 0.75 * strips.width;
   std::vector<Folded> folded;
   std::vector<double> spacings;
   for (double spacing = least; spacing <= most; spacing *= kRatio) {

@@ -284,20 +284,49 @@ void grow(const Strips& coarse, const Strips& strips, const SearchPriors& priors
       comb_score(strips, found.field, found.tooth, {}) * evidence_part(mean_row_count(strips, found.field));
 }
 
-/// A field that shows rows only at every second of its places has half the true spacing. The mean responses
-/// of even and odd rows tell.
-void undo_half_spacing(const Strips& strips, FoundField& found) {
-  const Response response = respond(strips, found.field, found.tooth);
-  PlanarField even = found.field, odd = found.field;
-  even.spacing = odd.spacing = 2.0 * found.field.spacing;
-  odd.offset += found.field.spacing;
-  const double even_score = comb_score(response, even, {}), odd_score = comb_score(response, odd, {});
-  constexpr double kAbsent = 0.2;  // of the response of the rows that are there
-  if (std::min(even_score, odd_score) > kAbsent * std::max(even_score, odd_score)) return;
-  const PlanarField& doubled = even_score > odd_score ? even : odd;
+/// Two fields of twice the spacing whose places, together, are those of `field` moved by `moved` spacings.
+std::array<PlanarField, 2> every_second(const PlanarField& field, double moved) {
+  std::array<PlanarField, 2> halves = {field, field};
+  for (PlanarField& half : halves) half.spacing = 2.0 * field.spacing, half.offset += moved * field.spacing;
+  halves[1].offset += field.spacing;
+  return halves;
+}
+
+/// Near rows decide: of far ones the alleys are not seen.
+Emphasis near_rows(const Strips& strips, const PlanarField& field, double reach) {
+  return {.centre_k = field.k_at(field.u0, 0.7 * strips.height), .reach = reach};
+}
+
+void double_spacing(const Strips& strips, const PlanarField& doubled, double tooth, FoundField& found) {
   if (doubled.spacing_at(0.5 * strips.height) > 0.6 * strips.width) return;
   found.field = doubled;
-  found.tooth = std::max(0.12, 0.5 * found.tooth);
+  found.tooth = tooth;
+  found.score = comb_score(strips, doubled, tooth, {}) * evidence_part(mean_row_count(strips, doubled));
+}
+
+/// A field has half the true spacing when it shows rows at every second of its places only, or when
+/// every second pair of its rows has hardly an alley between: these are the two sides of one row, where grass
+/// is greener than its leaves. The doubled field must then explain more near the middle.
+void undo_half_spacing(const Strips& strips, FoundField& found) {
+  constexpr double kAbsent = 0.2;  // of the response of the rows, or alleys, that are there
+  const Response response = respond(strips, found.field, found.tooth);
+  const auto rows = every_second(found.field, 0.0), alleys = every_second(found.field, 0.5);
+  const std::array row = {comb_score(response, rows[0], {}), comb_score(response, rows[1], {})};
+  if (std::min(row[0], row[1]) <= kAbsent * std::max(row[0], row[1]))
+    return double_spacing(strips, rows[row[0] > row[1] ? 0 : 1], std::max(0.12, 0.5 * found.tooth), found);
+  constexpr double kWeak = 0.5;   // between two strips of grass the leaves are less green, but no alley
+  constexpr double kReach = 1.0;  // rows
+  std::array<double, 2> alley{};  // how much less green they are
+  for (std::size_t i = 0; i < 2; ++i)
+    alley[i] = -comb_score(response, alleys[i], near_rows(strips, alleys[i], kReach));
+  if (std::max(alley[0], alley[1]) <= 0.0 ||
+      std::min(alley[0], alley[1]) > kWeak * std::max(alley[0], alley[1]))
+    return;
+  const PlanarField& doubled = alleys[alley[0] < alley[1] ? 0 : 1];
+  const double tooth = 0.5 * (1.0 + found.tooth);  // from side to side
+  if (comb_score(strips, doubled, tooth, near_rows(strips, doubled, kReach)) >
+      comb_score(strips, found.field, found.tooth, near_rows(strips, found.field, 2.0 * kReach)))
+    double_spacing(strips, doubled, tooth, found);
 }
 
 /// The rows nearest the picture's middle decide at the end: passes of the planter lie apart by a little more
@@ -305,7 +334,7 @@ void undo_half_spacing(const Strips& strips, FoundField& found) {
 void settle(const Strips& strips, const SearchPriors& priors, FoundField& found) {
   constexpr double kReach = 2.0;  // rows
   constexpr int kCalls = 150;
-  const Emphasis near{.centre_k = found.field.k_at(found.field.u0, 0.7 * strips.height), .reach = kReach};
+  const Emphasis near = near_rows(strips, found.field, kReach);
   const auto settled = [&](PlanarField field, int rounds) {
     for (int round = 0; round < rounds; ++round)
       field = refine(respond(strips, field, found.tooth), field, near, 0.05, kCalls, priors);

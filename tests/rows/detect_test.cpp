@@ -103,6 +103,23 @@ TEST(FieldMethod, ThinAndWideRowsKeepTheirSpacing) {
   }
 }
 
+// Five pixels apart on the middle row.
+TEST(FieldMethod, ManyRowsInASmallPicture) {
+  DrawnField drawn = oblique(320, 240);
+  drawn.field.spacing = 9.0;
+  expect_rows(drawn, 0.05, "narrow rows");
+}
+
+// Two strips of grass that is greener than the leaves of the row between them look like two rows.
+TEST(FieldMethod, GrassGreenerThanLeavesIsNotARow) {
+  for (const double half_width : {0.16, 0.20, 0.24}) {
+    DrawnField drawn = oblique();
+    drawn.field.spacing = 0.9 * drawn.width;
+    drawn.half_width = half_width, drawn.grass = 0.33, drawn.grass_colour = {100.0, 190.0, 40.0};
+    expect_rows(drawn, 0.05, "bright grass");
+  }
+}
+
 TEST(FieldMethod, GapsNoiseAndUnevenLight) {
   DrawnField drawn = oblique();
   drawn.gaps = 0.3, drawn.noise = 20.0, drawn.ragged = 0.03, drawn.light_gradient = 1.0;

@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "furrow/base/random.h"
@@ -12,10 +13,11 @@ namespace furrow::rows::testing {
 struct DrawnField {
   PlanarField field;
   int width = 640, height = 480;
-  double half_width = 0.2;      ///< of a row, spacings
-  double ragged = 0.0;          ///< one-sigma of the edges along the row, spacings
-  double noise = 6.0;           ///< one-sigma, grey levels
-  double grass = 0.0;           ///< half width of row and a strip of grass along it, spacings; 0: none
+  double half_width = 0.2;  ///< of a row, spacings
+  double ragged = 0.0;      ///< one-sigma of the edges along the row, spacings
+  double noise = 6.0;       ///< one-sigma, grey levels
+  double grass = 0.0;       ///< half width of row and a strip of grass along it, spacings; 0: none
+  std::array<double, 3> grass_colour = {92.0, 120.0, 58.0};
   double leaf_contrast = 0.0;   ///< one-sigma of the light of a leaf, 4 px wide, relative
   double gaps = 0.0;            ///< part of the plants that are missing
   double light_gradient = 0.0;  ///< relative change of light from left to right
@@ -26,7 +28,7 @@ struct DrawnField {
 /// sensor.
 inline Image draw(const DrawnField& drawn) {
   constexpr double kLeaf[] = {55.0, 105.0, 40.0}, kSoil[] = {150.0, 125.0, 95.0},
-                   kSky[] = {170.0, 195.0, 225.0}, kGrass[] = {92.0, 120.0, 58.0};
+                   kSky[] = {170.0, 195.0, 225.0};
   constexpr double kBox = 1.15;  // px: half of sqrt(12 (1/12 + 0.6^2))
   base::Random random(drawn.seed);
   Image picture = image::make_image(drawn.width, drawn.height, 3);
@@ -73,7 +75,9 @@ inline Image draw(const DrawnField& drawn) {
           drawn.leaf_contrast > 0.0 ? std::exp(drawn.leaf_contrast * leaf.normal()) : 1.0;
       const double light = 1.0 + drawn.light_gradient * (u / (drawn.width - 1.0) - 0.5);
       for (int i = 0; i < 3; ++i) {
-        const double ground = scale <= 0.01 ? kSky[i] : is_grass ? kGrass[i] : kSoil[i];
+        const double ground = scale <= 0.01 ? kSky[i]
+                              : is_grass    ? drawn.grass_colour[static_cast<std::size_t>(i)]
+                                            : kSoil[i];
         const double value = light * (cover * leaf_light * kLeaf[i] + (1.0 - cover) * ground) +
                              random.normal(0.0, drawn.noise);
         picture.at(u, v)[i] = static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
