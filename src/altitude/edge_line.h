@@ -18,6 +18,9 @@ struct EdgeLine {
   double variance = 0.0;
   double covariance = 0.0;  ///< 0 for errors that are independent along the row
   int samples = 0;
+  /// In the pencil: half widths from its row's axis to where its line of sight meets the plane of the
+  /// outline's highest points, positive to the left (eq. 3.8).
+  double reach = 0.0;
 };
 
 /// All edges of a shot as lines; rows without any edge give their centre line. Where the samples scatter more

@@ -19,6 +19,14 @@ Estimate anywhere_up_to(double upper) {
   return {0.5 * upper, kUniformSigma * upper, 0};
 }
 
+Status finite_or_unknown(const char* name, const Estimate& value) {
+  if (std::isnan(value.value)) return Done{};
+  if (std::isfinite(value.value) && std::isfinite(value.sigma) && value.sigma >= 0.0) return Done{};
+  return Error{"not_finite", name,
+               base::format_double(value.value) + " with sigma " + base::format_double(value.sigma),
+               "a finite value with a finite sigma, or NaN for not known", ""};
+}
+
 /// A value that was given must be finite, above 0, with a sigma that is not negative. NaN means "not known".
 Result<bool> given(const char* name, const Estimate& value) {
   if (std::isnan(value.value)) return false;
@@ -47,13 +55,8 @@ Result<Farm> complete_farm(const FieldKnowledge& field) {
   FURROW_TRY(const bool height, given("row_height_m", field.row_height_m));
   FURROW_TRY(const bool depth, given("foliage_depth_m", field.foliage_depth_m));
   FURROW_TRY(const bool ratio, given("base_width_ratio", field.base_width_ratio));
-  const Estimate& rise = field.outline_rise_m;
-  if (!std::isnan(rise.value) &&
-      !(std::isfinite(rise.value) && std::isfinite(rise.sigma) && rise.sigma >= 0.0)) {
-    return Error{"not_finite", "outline_rise_m",
-                 base::format_double(rise.value) + " with sigma " + base::format_double(rise.sigma),
-                 "a finite value with a finite sigma, or NaN for not known", ""};
-  }
+  FURROW_DO(finite_or_unknown("outline_rise_m", field.outline_rise_m));
+  FURROW_DO(finite_or_unknown("rounding_m", field.rounding_m));
   if (!spacing) {
     return Error{"no_spacing", "row_spacing_m", "no row spacing",
                  "the distance between row centres in metres",
@@ -71,6 +74,8 @@ Result<Farm> complete_farm(const FieldKnowledge& field) {
   const double deepest = height ? field.row_height_m.value : s;
   farm.foliage_depth_m = with_positive_sigma(depth ? field.foliage_depth_m : anywhere_up_to(deepest));
   farm.base_width_ratio = with_positive_sigma(ratio ? field.base_width_ratio : anywhere_up_to(1.0));
+  farm.rounding_given = field.rounding_m.usable();
+  farm.rounding = log_rounding(field, farm.half_width_m.value);
   farm.planting_sigma_m =
       std::isfinite(field.planting_sigma_m) ? field.planting_sigma_m : kPlantingSigmaPerSpacing * s;
   farm.growth_sigma_m = std::isfinite(field.growth_sigma_m)
@@ -82,13 +87,17 @@ Result<Farm> complete_farm(const FieldKnowledge& field) {
   return farm;
 }
 
-Estimate outline_rise(const FieldKnowledge& field, double half_width_m, double pitch_rad) {
-  constexpr double kFlattest = 6.0;  // cotangent of 9 deg: flatter, the lower half of a picture counts
-  Estimate rise = field.outline_rise_m;
-  if (!rise.usable()) rise = {0.0, kOutlineRiseSigmaPerHalfWidth * half_width_m, 0};
-  const double down = std::max(-std::sin(pitch_rad), 1e-9);
-  const double flat = std::min(std::cos(pitch_rad) / down, kFlattest);
-  return {flat * rise.value, flat * rise.sigma, rise.observations};
+Estimate outline_rise(const FieldKnowledge& field, double half_width_m) {
+  if (field.outline_rise_m.usable()) return field.outline_rise_m;
+  return {kOutlineRisePerHalfWidth * half_width_m, kOutlineRiseSigmaPerHalfWidth * half_width_m, 0};
+}
+
+Estimate log_rounding(const FieldKnowledge& field, double half_width_m) {
+  constexpr double kFlat = 1e-6;  // depth over half width that stands for a flat top
+  const Estimate& r = field.rounding_m;
+  if (!r.usable()) return {std::log(kRoundingPerHalfWidth), kLogRoundingSigma, 0};
+  const double depth = std::max(r.value, kFlat * half_width_m);
+  return {std::log(depth / half_width_m), std::max(r.sigma / depth, kExactRelativeSigma), r.observations};
 }
 
 }  // namespace furrow::altitude

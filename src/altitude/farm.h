@@ -8,15 +8,19 @@ namespace furrow::altitude {
 /// section 6).
 struct Farm {
   Estimate row_spacing_m, half_width_m, foliage_depth_m, base_width_ratio;
+  Estimate rounding;  ///< logarithm of FieldKnowledge::rounding_m over the half width
   double planting_sigma_m = 0.0, growth_sigma_m = 0.0, foot_sigma_m = 0.0;
-  bool half_width_given = false, foliage_depth_given = false, base_ratio_given = false;
+  bool half_width_given = false, foliage_depth_given = false, base_ratio_given = false,
+       rounding_given = false;
 };
 
 /// Errors: no_spacing, not_finite, bad_field (not above 0), each naming the quantity.
 Result<Farm> complete_farm(const FieldKnowledge& field);
 
-/// How far the rows' outline stands above their top (FieldKnowledge::outline_rise_m) in a picture of this
-/// pitch (eq. 8.7).
-Estimate outline_rise(const FieldKnowledge& field, double half_width_m, double pitch_rad);
+/// How far the rows' outline stands above their top (FieldKnowledge::outline_rise_m; eq. 8.7).
+Estimate outline_rise(const FieldKnowledge& field, double half_width_m);
+
+/// Logarithm of the rounded top's depth over the half width, with what stands in where it is not known.
+Estimate log_rounding(const FieldKnowledge& field, double half_width_m);
 
 }  // namespace furrow::altitude

@@ -10,8 +10,9 @@ namespace furrow::altitude {
 
 /// Places in the pose block of a shot.
 inline constexpr int kLogHeight = 0, kTheta = 1, kLambda = 2, kPsi = 3, kCrossTrack = 4, kPoseSize = 5;
-/// Places in the farm block.
-inline constexpr int kSpacing = 0, kHalfWidth = 1, kDepth = 2, kBaseRatio = 3, kFarmSize = 4;
+/// Places in the farm block. Rounding is the logarithm of the top's depth over the half width: it has no
+/// sign.
+inline constexpr int kSpacing = 0, kHalfWidth = 1, kDepth = 2, kBaseRatio = 3, kRounding = 4, kFarmSize = 5;
 
 template <class T>
 struct Vector3 {
@@ -69,22 +70,44 @@ struct VisibleRow {
   T left_drop, right_drop;
 };
 
-/// Eq. 5.1 to 5.3: silhouettes of a trapezoid prism with half width w at drop H and beta w at drop H + d, and
-/// what the neighbour nearer to the camera leaves of it.
+/// A slope and the drop at which its line of sight touches the row.
+template <class T>
+struct Touch {
+  T slope, drop;
+};
+
+/// Left edge of a rounded top whose axis lies at lateral y: half an ellipse of half width w, its highest
+/// point at drop h, widest at h + r (eq. 5.1). The left edge seen from the right of it is the ellipse's
+/// tangent; seen from its own side it is the widest point.
+template <class T>
+Touch<T> top_left(const T& y, const T& h, const T& w, const T& r) {
+  using std::sqrt;
+  const T widest = h + r;
+  if (y + w <= T(0.0)) return {(y + w) / widest, widest};
+  const T square = h * (h + 2.0 * r);  // widest^2 - r^2
+  const T t = (y * widest + sqrt(r * r * y * y + w * w * square)) / square;
+  return {t, widest - r * r * t / sqrt(w * w + r * r * t * t)};
+}
+
+/// Eq. 5.1 to 5.3: silhouettes of a row with a rounded top and a wall down to half width beta w at drop H +
+/// d, and what the neighbour nearer to the camera leaves of it.
 template <class T>
 VisibleRow<T> visible_row(const T* pose, const T* farm, int k) {
   using std::exp;
-  // Width and depth enter by their magnitudes: a prior that reaches 0 must not turn the row inside out.
+  // Lengths enter by their magnitudes: a prior that reaches 0 must not turn the row inside out.
   const T h = exp(pose[kLogHeight]), w = magnitude(farm[kHalfWidth]), d = magnitude(farm[kDepth]);
+  const T r = w * exp(farm[kRounding]);
   const T s = farm[kSpacing], wb = share(farm[kBaseRatio]) * w, hb = h + d;
   const T y = -pose[kCrossTrack] - static_cast<double>(k) * s;
-  VisibleRow<T> v{(y + w) / h, (y - w) / h, h, h};
+  const Touch<T> left = top_left(y, h, w, r), right = top_left(T(-y), h, w, r);
+  VisibleRow<T> v{left.slope, -right.slope, left.drop, right.drop};
   const T base_left = (y + wb) / hb, base_right = (y - wb) / hb;
   if (base_left > v.left) v.left = base_left, v.left_drop = hb;
   if (base_right < v.right) v.right = base_right, v.right_drop = hb;
-  const T hidden_left = (y - s + w) / h, hidden_right = (y + s - w) / h;
-  if (v.right < hidden_left && hidden_left > T(0.0)) v.right = hidden_left, v.right_drop = h;
-  if (v.left > hidden_right && hidden_right < T(0.0)) v.left = hidden_right, v.left_drop = h;
+  const Touch<T> front_left = top_left(T(y - s), h, w, r), front_right = top_left(T(-y - s), h, w, r);
+  const T hidden_left = front_left.slope, hidden_right = -front_right.slope;
+  if (v.right < hidden_left && hidden_left > T(0.0)) v.right = hidden_left, v.right_drop = front_left.drop;
+  if (v.left > hidden_right && hidden_right < T(0.0)) v.left = hidden_right, v.left_drop = front_right.drop;
   return v;
 }
 

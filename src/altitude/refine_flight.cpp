@@ -22,12 +22,10 @@ constexpr int kPitchBias = 0, kRollBias = 1, kTerrainSlope = 2, kFocal = 3, kFli
 constexpr int kSharedSize = kFarmSize + kFlightSize;
 constexpr int kAllSize = kPoseSize + kSharedSize;
 using AllJet = ceres::Jet<double, kAllSize>;
-constexpr const char* kSharedNames[kSharedSize] = {"row_spacing",   "half_width",  "foliage_depth",
-                                                   "base_ratio",    "pitch_bias",  "roll_bias",
-                                                   "terrain_slope", "focal_factor"};
+constexpr const char* kSharedNames[kSharedSize] = {"row_spacing", "half_width",    "foliage_depth",
+                                                   "base_ratio",  "rounding",      "pitch_bias",
+                                                   "roll_bias",   "terrain_slope", "focal_factor"};
 
-/// As for one shot: what the claimed sigmas are worth against the misfit that is seen.
-constexpr double kClaimWeight = 20.0;
 /// A quantity held fixed still needs a prior in the covariance; small against anything measurable.
 constexpr double kHeldSigma = 1e-9;
 
@@ -239,11 +237,15 @@ SolveReport solve(Flight& flight, const FlightOptions& options) {
   }
   for (const ParameterPrior& prior : flight.shared_priors) {
     const bool of_farm = prior.parameter < kFarmSize;
-    const int place = of_farm ? prior.parameter : prior.parameter - kFarmSize;
-    static_assert(kFarmSize == kFlightSize);
-    problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<PriorCost, 1, kFarmSize>(new PriorCost{prior, place}), nullptr,
-        of_farm ? farm : common);
+    if (of_farm) {
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<PriorCost, 1, kFarmSize>(new PriorCost{prior, prior.parameter}),
+          nullptr, farm);
+    } else {
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorCost, 1, kFlightSize>(
+                                   new PriorCost{prior, prior.parameter - kFarmSize}),
+                               nullptr, common);
+    }
   }
   ceres::Solver::Options settings;
   settings.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
@@ -318,7 +320,7 @@ Normal normal_of(const Flight& flight, double repeats) {
   }
   Normal normal;
   const double freedom = count - kPoseSize * static_cast<double>(flight.members.size());
-  normal.noise_scale2 = (kClaimWeight + squares) / (kClaimWeight + std::max(0.0, freedom));
+  normal.noise_scale2 = noise_scale2(squares, freedom);
   normal.residual_rms = freedom > 0.0 ? std::sqrt(squares / freedom) : 0.0;
   normal.matrix.corner = normal.matrix.corner_prior = Eigen::MatrixXd::Zero(kSharedSize, kSharedSize);
   normal.matrix.repeats = std::clamp(repeats, 1.0, static_cast<double>(flight.members.size()));

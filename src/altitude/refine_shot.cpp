@@ -9,10 +9,6 @@
 namespace furrow::altitude {
 namespace {
 
-/// How many residuals the claimed sigmas are worth against the misfit that is seen when the noise is scaled
-/// (eq. 8.2).
-constexpr double kClaimWeight = 20.0;
-
 /// The linearised system at the solution, with the covariance it means (eq. 8.1 to 8.3).
 struct Posterior {
   Linearised data, priors;
@@ -29,7 +25,7 @@ Result<Posterior> posterior_at(const ShotSystem& system, const ShotVector& x, co
   p.priors = linearise_priors(system, x);
   const double squares = p.data.residuals.squaredNorm() + p.priors.residuals.squaredNorm();
   const double freedom = static_cast<double>(p.data.residuals.size() + p.priors.residuals.size()) - kShotSize;
-  p.noise_scale2 = (kClaimWeight + squares) / (kClaimWeight + std::max(0.0, freedom));
+  p.noise_scale2 = noise_scale2(squares, freedom);
   p.residual_rms = freedom > 0.0 ? std::sqrt(squares / freedom) : 0.0;
   const ShotMatrix normal = p.data.jacobian.transpose() * p.data.jacobian / p.noise_scale2 +
                             p.priors.jacobian.transpose() * p.priors.jacobian;

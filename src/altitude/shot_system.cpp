@@ -58,7 +58,8 @@ std::vector<ParameterPrior> farm_priors(const Farm& farm) {
   return {{"spacing", at + kSpacing, farm.row_spacing_m, true},
           {"half_width", at + kHalfWidth, farm.half_width_m, farm.half_width_given},
           {"foliage", at + kDepth, farm.foliage_depth_m, farm.foliage_depth_given},
-          {"foliage", at + kBaseRatio, farm.base_width_ratio, farm.base_ratio_given}};
+          {"foliage", at + kBaseRatio, farm.base_width_ratio, farm.base_ratio_given},
+          {"foliage", at + kRounding, farm.rounding, farm.rounding_given}};
 }
 
 std::vector<ParameterPrior> angle_priors(const GimbalPrior& gimbal, bool roll_given,
@@ -85,6 +86,7 @@ ShotVector start_of(const Pencil& pencil, const Farm& farm) {
   x[kPoseSize + kHalfWidth] = farm.half_width_m.value;
   x[kPoseSize + kDepth] = farm.foliage_depth_m.value;
   x[kPoseSize + kBaseRatio] = farm.base_width_ratio.value;
+  x[kPoseSize + kRounding] = farm.rounding.value;
   return x;
 }
 
@@ -153,6 +155,11 @@ Eigen::MatrixXd intrinsics_jacobian(const ShotSystem& system, const ShotVector& 
     at += block.rows.residuals();
   }
   return jacobian;
+}
+
+double noise_scale2(double squares, double freedom) {
+  constexpr double kClaimWeight = 20.0;
+  return std::max(1.0, (kClaimWeight + squares) / (kClaimWeight + std::max(0.0, freedom)));
 }
 
 double chi_square_limit(int freedom, double chance) {

@@ -107,7 +107,7 @@ ShotVector start_of(const Pencil& pencil, const Farm& farm);
 /// Sets each block's covariance and whitener at x.
 void weigh(ShotSystem& system, const ShotVector& x);
 
-/// Whitened residuals of the blocks, with derivatives by the nine parameters.
+/// Whitened residuals of the blocks, with derivatives by the parameters.
 struct Linearised {
   Eigen::VectorXd residuals;
   Eigen::Matrix<double, Eigen::Dynamic, kShotSize> jacobian;
@@ -155,6 +155,11 @@ Result<PreparedShot> prepare_directions(const RowsOnUnitPlane& directions, const
 /// stands at the solution.
 Result<RefinedShot> settle_shot(PreparedShot& shot, const Camera& camera, const FieldKnowledge& field,
                                 const RefineOptions& options);
+
+/// By how much the noise is larger than claimed, as the misfit shows, the claim counting as 20 residuals
+/// (eq. 8.2). Not less than 1: lines are scaled by their samples' scatter already, and priors that are wider
+/// than this field needs must not vouch for the picture.
+double noise_scale2(double squares, double freedom);
 
 /// Largest value that chi-square with `freedom` degrees passes with the given chance (Wilson and Hilferty
 /// 1931).

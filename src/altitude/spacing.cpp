@@ -125,15 +125,23 @@ bool below_horizon(const RowAxes<double>& axes, const EdgeLine& line) {
   return axes.q.x * p.x() + axes.q.y * p.y() + axes.q.z < 0.0;
 }
 
-/// -1, 0, 1: how many half widths the line's slope stands from its row's axis, when it is a top edge.
-double half_widths(const EdgeLine& line) {
+/// -1, 0, 1: to which side of its row's axis the line lies.
+double side_of(const EdgeLine& line) {
   if (line.side == Side::centre) return 0.0;
   return line.side == Side::left ? 1.0 : -1.0;
 }
 
+/// EdgeLine::reach of far edges of tops that are `depth` half widths deep; 1 for near edges.
+void set_reaches(std::vector<EdgeLine>& lines, const RowAxes<double>& axes, double depth) {
+  for (EdgeLine& line : lines) {
+    const double side = side_of(line), t = depth * std::max(0.0, side * slope_at(axes, line));
+    line.reach = side * (std::sqrt(1.0 + t * t) - t);
+  }
+}
+
 /// The silhouette on the far side is the top edge whatever the shape of the wall (eq. 3.5).
 bool is_top_edge(const EdgeLine& line, double slope) {
-  return half_widths(line) * slope >= 0.0;
+  return side_of(line) * slope >= 0.0;
 }
 
 int distinct_rows(const std::vector<EdgeLine>& lines) {
@@ -197,8 +205,7 @@ struct PencilResidual {
       Eigen::Matrix<T, Eigen::Dynamic, 1> raw(n);
       for (int i = 0; i < n; ++i) {
         const EdgeLine& line = block.rows.lines[static_cast<std::size_t>(i / 2)];
-        const T t =
-            x[kPencilA] + x[kPencilB] * static_cast<double>(line.row) + x[kPencilG] * half_widths(line);
+        const T t = x[kPencilA] + x[kPencilB] * static_cast<double>(line.row) + x[kPencilG] * line.reach;
         raw[i] = distance(line_at(axes, t), line.points[i % 2]);
       }
       for (int i = 0; i < n; ++i, ++at) {
@@ -230,12 +237,12 @@ std::vector<double> slope_steps(const std::vector<double>& places, const std::ve
 
 /// Straight line through slopes over row index by medians (Theil and Sen), so that rows with a wrong index do
 /// not matter: the start of a and b. Neighbours first, since a detector that miscounts does so over a gap.
-/// With g = -ratio b: slope = a + b (k - ratio * half widths).
+/// With g = -ratio b: slope = a + b (k - ratio * reach).
 void start_slopes(const std::vector<EdgeLine>& lines, const RowAxes<double>& axes, double ratio,
                   PencilVector& x) {
   std::vector<double> places, slopes, offsets;
   for (const EdgeLine& line : lines) {
-    places.push_back(line.row - ratio * half_widths(line));
+    places.push_back(line.row - ratio * line.reach);
     slopes.push_back(slope_at(axes, line));
   }
   std::vector<double> steps = slope_steps(places, slopes, lines, 1);
@@ -250,8 +257,8 @@ void start_slopes(const std::vector<EdgeLine>& lines, const RowAxes<double>& axe
 /// or, for the near edge, from there to the foot of a wall as deep as the spacing, but not before the far
 /// edge of the row in front. Others carry a wrong index.
 bool lies_at_its_row(const EdgeLine& line, double slope, const PencilVector& x) {
-  const double b = x[kPencilB], side = half_widths(line);
-  const double top = x[kPencilA] + b * line.row + x[kPencilG] * side;
+  const double b = x[kPencilB], side = side_of(line);
+  const double top = x[kPencilA] + b * line.row + x[kPencilG] * line.reach;
   const double margin = 0.5 * std::abs(b);
   if (side == 0.0 || side * top >= 0.0) return std::abs(slope - top) <= margin;
   // Distances from the foot of the camera, both positive on the row's own side.
@@ -262,9 +269,10 @@ bool lies_at_its_row(const EdgeLine& line, double slope, const PencilVector& x) 
   return seen <= away * top + margin && seen >= std::max(foot, front) - margin;
 }
 
-/// Half width over spacing with sigma, and the rows' wander over spacing.
+/// Half width over spacing with sigma, the shape of the tops, and the rows' wander over spacing.
 struct RelativeFarm {
   Estimate width_ratio;
+  Estimate log_top_depth;  ///< of the rounded top over the half width
   RowWander wander;
 };
 
@@ -280,6 +288,7 @@ RelativeFarm relative_farm(const FieldKnowledge& field) {
     r.width_ratio = {w, std::max(w * relative, 1e-6), 0};
   }
   const bool metres = field.row_spacing_m.usable() && s > 0.0;
+  r.log_top_depth = log_rounding(metres ? field : FieldKnowledge{}, r.width_ratio.value * (metres ? s : 1.0));
   r.wander.planting_sigma_m =
       metres && std::isfinite(field.planting_sigma_m) ? field.planting_sigma_m / s : kPlantingSigmaPerSpacing;
   r.wander.growth_sigma_m = metres && std::isfinite(field.growth_sigma_m)
@@ -302,7 +311,7 @@ std::vector<PencilBlock> whitened_blocks(const std::vector<EdgeLine>& lines, con
   for (RowBlock& rows : group_by_row(lines)) {
     std::vector<LinePlace> places;
     for (const EdgeLine& line : rows.lines) {
-      const double slope = x[kPencilA] + x[kPencilB] * line.row + x[kPencilG] * half_widths(line);
+      const double slope = x[kPencilA] + x[kPencilB] * line.row + x[kPencilG] * line.reach;
       // Lengths in units of the spacing: the drop is 1 / |b|.
       places.push_back({slope, 1.0 / std::abs(x[kPencilB]), wall_slope_sigma(line, slope, x[kPencilB])});
     }
@@ -358,6 +367,19 @@ Status adjust(const std::vector<EdgeLine>& lines, const GimbalPrior& prior, bool
   if (!sound)
     return degenerate("ill_conditioned", "rows that fit no set of equally spaced lines",
                       "rows in order from left to right");
+  return Done{};
+}
+
+/// Adds to the covariance what the tops' depth, shallower by a sigma, does to the pencil (eq. 3.9).
+Status add_top_depth(std::vector<EdgeLine> lines, const GimbalPrior& prior, bool parallel,
+                     const RelativeFarm& farm, Pencil& pencil) {
+  const GimbalAngles angles = pencil.angles();
+  set_reaches(lines, row_axes(angles.theta, angles.lambda, angles.psi),
+              std::exp(farm.log_top_depth.value - farm.log_top_depth.sigma));
+  Pencil flatter = pencil;
+  FURROW_DO(adjust(lines, prior, parallel, farm, flatter));
+  const PencilVector moved = flatter.value - pencil.value;
+  pencil.covariance += moved * moved.transpose();
   return Done{};
 }
 
@@ -421,8 +443,9 @@ Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& fie
     return degenerate("camera_along_horizon", "fewer than two rows below the horizon of the rows' plane",
                       "a camera that looks down on the rows");
   }
-  std::vector<EdgeLine> tops = pencil_lines(lines, axes);
   const RelativeFarm farm = relative_farm(field);
+  set_reaches(lines, axes, std::exp(farm.log_top_depth.value));
+  std::vector<EdgeLine> tops = pencil_lines(lines, axes);
   Pencil pencil;
   pencil.value << start.theta, start.lambda, start.psi, 0.0, 0.0, 0.0;
   start_slopes(tops, axes, farm.width_ratio.value, pencil.value);
@@ -438,6 +461,7 @@ Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& fie
                       "rows in order from left to right");
   }
   FURROW_DO(adjust(tops, gimbal, parallel, farm, pencil));
+  FURROW_DO(add_top_depth(tops, gimbal, parallel, farm, pencil));
   pencil.blocks = group_by_row(lines);
   for (const EdgeLine& line : tops) pencil.observations += line.samples;
   return pencil;
@@ -460,7 +484,7 @@ Result<SpacingHeight> from_spacing(const RowsOnUnitPlane& rows, const FieldKnowl
   if (!field.row_spacing_m.usable()) return result;
   const double s = field.row_spacing_m.value, s_sigma = field.row_spacing_m.sigma;
   const double half_width = pencil.value[kPencilG] * s * over_spacing;
-  const Estimate rise = outline_rise(field, half_width, attitude.pitch_rad);
+  const Estimate rise = outline_rise(field, half_width);
   result.height_above_canopy_m = {
       s * over_spacing + rise.value,
       std::hypot(s * result.height_over_spacing.sigma, over_spacing * s_sigma, rise.sigma), n};

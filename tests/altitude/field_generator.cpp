@@ -1,9 +1,10 @@
 #include "field_generator.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <Eigen/Core>
+
+#include "furrow/geom/angles.h"
 
 namespace furrow::altitude::testing {
 namespace {
@@ -73,7 +74,7 @@ struct Interval {
   double left = kNone, right = kNone;
 };
 
-Interval silhouette(const Scene& scene, const std::array<LongEdge, 4>& edges, double v) {
+Interval silhouette(const Scene& scene, const std::vector<LongEdge>& edges, double v) {
   Interval all{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (const LongEdge& edge : edges) {
     const double u = crossing(scene, edge, v);
@@ -87,32 +88,45 @@ Interval silhouette(const Scene& scene, const std::array<LongEdge, 4>& edges, do
 struct PrismRow {
   int index = 0;
   double y = 0.0;
-  std::array<LongEdge, 4> edges;
+  std::vector<LongEdge> edges;
   double left_error = 0.0, right_error = 0.0;  ///< running AR(1) states
   rows::RowLine line;
 };
 
+/// The corners of a row's cross-section: its top, flat or as many chords of half an ellipse, and the feet of
+/// its walls, which run straight from where the row is widest to its base; what shows of a wall may end on
+/// the way.
+std::vector<LongEdge> cross_section(const World& world, const Noise& noise, double y, double grow_left,
+                                    double grow_right, base::Random& random) {
+  constexpr int kChords = 12;
+  const double h = world.height_above_canopy_m, w = world.half_width_m, r = world.rounding_m;
+  std::vector<LongEdge> corners = {{y + w + grow_left, h + r}, {y - w - grow_right, h + r}};
+  for (int i = 1; r > 0.0 && i < kChords; ++i) {
+    const double angle = geom::kPi * i / kChords, half = w * std::cos(angle);
+    const double share = half / w, grow = share > 0.0 ? share * grow_left : share * grow_right;
+    corners.push_back({y + half + grow, h + r - r * std::sin(angle)});
+  }
+  const auto foot = [&](double shown) {
+    shown = noise.foot_anywhere ? shown * random.uniform(0.0, 1.0) : shown;
+    const double depth = std::max(r, shown * world.foliage_depth_m);
+    const double down = world.foliage_depth_m > r ? (depth - r) / (world.foliage_depth_m - r) : 0.0;
+    return LongEdge{w + down * (world.base_half_width_m - w), h + depth};
+  };
+  const LongEdge left = foot(world.left_wall_shown), right = foot(world.right_wall_shown);
+  corners.push_back({y + left.y + grow_left, left.drop});
+  corners.push_back({y - right.y - grow_right, right.drop});
+  return corners;
+}
+
 std::vector<PrismRow> plant(const World& world, const Noise& noise, base::Random& random) {
   std::vector<PrismRow> rows;
-  const double h = world.height_above_canopy_m;
   for (int k = -world.rows_each_side; k <= world.rows_each_side; ++k) {
     PrismRow row;
     row.index = k;
     row.y = -world.cross_track_m - k * world.spacing_m + random.normal(0.0, noise.planting_sigma_m);
     const double grow_left = random.normal(0.0, noise.growth_sigma_m);
     const double grow_right = random.normal(0.0, noise.growth_sigma_m);
-    // A wall runs straight from the top's edge to the base's; what shows of it ends on the way.
-    const auto foot = [&](double shown) {
-      const double half = world.half_width_m + shown * (world.base_half_width_m - world.half_width_m);
-      return LongEdge{half, h + shown * world.foliage_depth_m};
-    };
-    const double to_left = noise.foot_anywhere ? random.uniform(0.0, 1.0) : 1.0;
-    const double to_right = noise.foot_anywhere ? random.uniform(0.0, 1.0) : 1.0;
-    const LongEdge left = foot(to_left * world.left_wall_shown), right = foot(to_right * world.right_wall_shown);
-    row.edges = {LongEdge{row.y + world.half_width_m + grow_left, h},
-                 LongEdge{row.y - world.half_width_m - grow_right, h},
-                 LongEdge{row.y + left.y + grow_left, left.drop},
-                 LongEdge{row.y - right.y - grow_right, right.drop}};
+    row.edges = cross_section(world, noise, row.y, grow_left, grow_right, random);
     row.left_error = random.normal();
     row.right_error = random.normal();
     row.line.index = k;
@@ -204,7 +218,8 @@ FieldKnowledge knowledge_of(const World& world, double relative_sigma) {
   field.row_spacing_m = known(world.spacing_m);
   field.half_width_m = known(world.half_width_m);
   field.row_height_m = {1.7, 0.05, 1};
-  field.outline_rise_m = {0.0, 0.0, 1};  // prisms end where they end
+  field.outline_rise_m = {0.0, 0.0, 1};  // rows end where they end
+  field.rounding_m = known(world.rounding_m);
   field.foliage_depth_m = known(world.foliage_depth_m);
   field.base_width_ratio = known(world.base_half_width_m / world.half_width_m);
   return field;

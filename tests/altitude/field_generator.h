@@ -24,7 +24,9 @@ struct World {
   double half_width_m = 0.6;
   double base_half_width_m = 0.6;
   double foliage_depth_m = 1.0;
-  /// How much of the walls' depth shows on the left and on the right of a row: in shade, leaves pass for soil.
+  double rounding_m = 0.0;  ///< the top is half an ellipse of this depth, 0 for a flat one
+  /// How much of the walls' depth shows on the left and on the right of a row: in shade, leaves pass for
+  /// soil.
   double left_wall_shown = 1.0, right_wall_shown = 1.0;
   int rows_each_side = 6;
   /// Rows bend: y = curvature x^2 / 2.

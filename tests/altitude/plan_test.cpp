@@ -22,7 +22,7 @@ FieldKnowledge vineyard() {
   field.base_width_ratio = {0.5, 0.1, 1};
   field.planting_sigma_m = 0.03;
   field.growth_sigma_m = 0.03;
-  field.outline_rise_m = {0.0, 0.0, 1};  // prisms end where they end
+  field.rounding_m = field.outline_rise_m = {0.0, 0.0, 1};  // prisms end where they end
   return field;
 }
 

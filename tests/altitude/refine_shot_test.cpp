@@ -86,8 +86,8 @@ TEST(RefineShot, WallsDoNotBiasTheHeightWhenTheirShapeIsUnknown) {
   }
 }
 
-// One side of the rows in shade: the two walls end at different depths, and neither may pull at the height, least
-// of all where a picture shows only four edges against the ground and one glimpse of a fifth.
+// One side of the rows in shade: the two walls end at different depths, and neither may pull at the height,
+// least of all where a picture shows only four edges against the ground and one glimpse of a fifth.
 TEST(RefineShot, AWallInShadeDoesNotBiasTheHeight) {
   for (const double shown : {0.6, 0.3}) {
     for (const double base : {0.3, 0.6}) {
@@ -104,6 +104,29 @@ TEST(RefineShot, AWallInShadeDoesNotBiasTheHeight) {
       const auto shot = refine(world, field, testing::prior_of(world, 0.02, 0.005), none);
       ASSERT_TRUE(shot.ok()) << shown << " " << base << ": " << shot.error().message();
       EXPECT_NEAR(shot->height_above_canopy_m.value, 1.3, 0.01 * 1.3) << shown << " " << base;
+    }
+  }
+}
+
+// A rounded top: flat lines of sight touch it near its ridge, steep ones where the row is widest.
+TEST(RefineShot, ARoundedTopIsToldByItsRowsNearAndFar) {
+  for (const double height : {2.3, 3.3}) {
+    for (const double depth : {0.15, 0.6}) {
+      World world = low_vineyard();
+      world.height_above_canopy_m = height;
+      world.attitude.pitch_rad = deg_to_rad(-13.8);
+      world.rounding_m = depth;
+      FieldKnowledge field = testing::knowledge_of(world, 0.01);
+      field.half_width_m.sigma = 0.09;
+      field.rounding_m = {};
+      const auto shot = refine(world, field, testing::prior_of(world, 0.02, 0.005));
+      ASSERT_TRUE(shot.ok()) << height << " " << depth << ": " << shot.error().message();
+      EXPECT_NEAR(shot->height_above_canopy_m.value, height, 0.005 * height) << depth;
+      EXPECT_NEAR(shot->rounding_m.value, depth, 2.0 * shot->rounding_m.sigma);
+      field.rounding_m = {0.0, 0.0, 1};
+      const auto flat = refine(world, field, testing::prior_of(world, 0.02, 0.005));
+      ASSERT_TRUE(flat.ok());
+      EXPECT_GT(std::abs(flat->height_above_canopy_m.value / height - 1.0), 0.015) << depth;
     }
   }
 }

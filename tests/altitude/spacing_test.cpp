@@ -97,7 +97,9 @@ TEST(FromSpacing, FarEdgesKeepWallsOutOfTheHeight) {
 }
 
 TEST(FromSpacing, AnswersTheRatioWithoutASpacing) {
-  const World world = flat(oblique_world());
+  World world = flat(oblique_world());
+  world.rounding_m =
+      kRoundingPerHalfWidth * world.half_width_m;  // what stands in for a depth that is not known
   const auto result = from_spacing(seen(world), {}, {});
   ASSERT_TRUE(result.ok()) << result.error().message();
   EXPECT_FALSE(result->height_above_canopy_m.usable());

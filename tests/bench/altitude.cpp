@@ -120,7 +120,7 @@ altitude::FieldKnowledge drawn_farm(const altitude::testing::World& world, base:
   altitude::FieldKnowledge field = farm(world.spacing_m, world.half_width_m, 1.7);
   for (Estimate* number : {&field.row_spacing_m, &field.half_width_m})
     number->value += random.normal(0.0, number->sigma);
-  field.outline_rise_m = {0.0, 0.0, 1};  // prisms end where they end
+  field.rounding_m = field.outline_rise_m = {0.0, 0.0, 1};  // prisms end where they end
   return field;
 }
 

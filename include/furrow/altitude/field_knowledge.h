@@ -14,10 +14,13 @@ struct FieldKnowledge {
   Estimate foliage_depth_m;
   /// Half width at the lowest leaves over half_width_m: 1 for a box, near 0 for a V; unusable when not known.
   Estimate base_width_ratio;
-  /// How far the rows' outline in the picture lies above the top that row_height_m names, in a picture taken
-  /// at -45 deg: the flatter the line of sight, the more leaves stand in it, and the highest is seen. Grows
-  /// with the cotangent of the depression; 0 for smooth boxes, negative where row_height_m names the tips of
-  /// the shoots. Unusable: 0 +- kOutlineRiseSigmaPerHalfWidth.
+  /// From the outline's highest point down to where the row is widest: 0 for a box's flat top. Unusable:
+  /// kRoundingPerHalfWidth, by a factor of exp(kLogRoundingSigma) more or less.
+  Estimate rounding_m;
+  /// How far the outline's highest point lies above the top that row_height_m names: a picture shows the
+  /// outline. 0 for smooth boxes, near 0 where row_height_m names the highest leaves, most where it names the
+  /// mean of the leaves first hit from above. Unusable: kOutlineRisePerHalfWidth +-
+  /// kOutlineRiseSigmaPerHalfWidth.
   Estimate outline_rise_m;
   /// One-sigma of a row's axis about its nominal place, as a whole along the part a picture shows. NaN:
   /// kPlantingSigmaPerSpacing.
@@ -32,10 +35,16 @@ inline constexpr double kPlantingSigmaPerSpacing = 0.01;
 /// Mean half width of one row over a picture against the field's: trimmed hedges repeat to 3 cm in 0.6 m.
 inline constexpr double kGrowthSigmaPerHalfWidth = 0.05;
 
-/// With the mean of the leaves first hit from above called the top, heights by the outline came out 0 to 1 cm
-/// over cot short in Furrow's renders and 2.5 to 3.5 cm short in another program's; with the highest leaves
-/// called the top 2.5 to 4 cm long, all at a half width of 0.6 m (docs/formulation/altitude.md, section 8).
-inline constexpr double kOutlineRiseSigmaPerHalfWidth = 0.04;
+/// Ellipses fitted to the far edges of 36 rendered flights at their true poses were 0.14 to 1.7 half widths
+/// deep (docs/formulation/altitude.md, section 5): half a width, within a factor of two.
+inline constexpr double kRoundingPerHalfWidth = 0.5;
+inline constexpr double kLogRoundingSigma = 0.7;
+
+/// Their highest points lay over the named top by 0.08 half widths where that is the highest leaf, 0.24 in
+/// Furrow's renders, 0.55 where it is the mean of the leaves first hit from above (section 8): the middle
+/// one, and the sigma of anywhere from 0 to 0.6.
+inline constexpr double kOutlineRisePerHalfWidth = 0.24;
+inline constexpr double kOutlineRiseSigmaPerHalfWidth = 0.17;
 
 /// What the gimbal says about one shot, with one-sigma; unusable values are not known.
 struct AttitudePrior {

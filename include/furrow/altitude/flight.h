@@ -55,7 +55,7 @@ struct FlightOptions {
 /// A quantity common to the flight, and whether the flight told it.
 struct SharedQuantity {
   std::string name;    ///< pitch_bias, roll_bias, terrain_slope, focal_factor, row_spacing, half_width,
-                       ///< foliage_depth, base_ratio
+                       ///< foliage_depth, base_ratio, rounding
   Estimate prior;      ///< what was known before
   Estimate posterior;  ///< what is known after all shots
   /// Posterior sigma over prior sigma: 1 when the flight says nothing about it, near 0 when the flight alone

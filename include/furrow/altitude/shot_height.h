@@ -51,6 +51,7 @@ struct RefinedShot {
   Estimate row_spacing_m;
   Estimate half_width_m;
   Estimate foliage_depth_m;
+  Estimate rounding_m;        ///< from the outline's highest point down to where the row is widest
   Estimate base_width_ratio;  ///< half width at the lowest leaves over half_width_m
   /// Covariance of (height, pitch, roll, yaw, cross-track, spacing, half width, foliage depth); zero rows
   /// where held fixed.
