@@ -90,6 +90,7 @@ struct PrismRow {
   double y = 0.0;
   std::vector<LongEdge> edges;
   double left_error = 0.0, right_error = 0.0;  ///< running AR(1) states
+  double top_error = 0.0;                      ///< one for the row
   rows::RowLine line;
 };
 
@@ -129,6 +130,7 @@ std::vector<PrismRow> plant(const World& world, const Noise& noise, base::Random
     row.edges = cross_section(world, noise, row.y, grow_left, grow_right, random);
     row.left_error = random.normal();
     row.right_error = random.normal();
+    if (noise.top_sigma_px > 0.0) row.top_error = random.normal(0.0, noise.top_sigma_px);
     row.line.index = k;
     rows.push_back(row);
   }
@@ -153,7 +155,8 @@ double step(double state, double correlation, base::Random& random) {
   return correlation * state + std::sqrt(1.0 - correlation * correlation) * random.normal();
 }
 
-void add_sample(PrismRow& row, Interval seen, double v, const Camera& camera, const Noise& noise,
+/// `top` is where the far edge of the row's top is told by its light.
+void add_sample(PrismRow& row, Interval seen, double top, double v, const Camera& camera, const Noise& noise,
                 base::Random& random) {
   row.left_error = step(row.left_error, noise.correlation, random);
   row.right_error = step(row.right_error, noise.correlation, random);
@@ -168,6 +171,10 @@ void add_sample(PrismRow& row, Interval seen, double v, const Camera& camera, co
   sample.sigma_px = std::max(1e-3, noise.edge_sigma_px);
   sample.edge_sigma_px = sample.sigma_px;
   if (noise.edges) sample.left_u_px = left, sample.right_u_px = right;
+  if (inside(top)) {
+    (row.index < 0 ? sample.top_left_u_px : sample.top_right_u_px) = top + row.top_error;
+    sample.top_sigma_px = noise.top_sigma_px;
+  }
   row.line.samples.push_back(sample);
 }
 
@@ -184,6 +191,7 @@ Camera thesis_camera() {
 
 rows::RowLines picture_of(const World& world, const Camera& camera, const Noise& noise, std::uint64_t seed) {
   constexpr double kNarrowestPx = 4.0;  // thinner rows are not found
+  constexpr int kTopRows = 3;           // beyond, a row's top is a few pixels
   base::Random random(seed);
   const Scene scene{world, camera, geom::cam_from_level(world.attitude)};
   std::vector<PrismRow> rows = plant(world, noise, random);
@@ -195,9 +203,14 @@ rows::RowLines picture_of(const World& world, const Camera& camera, const Noise&
     }
     for (std::size_t i = 0; i < rows.size(); ++i) {
       Interval seen = all[i];
+      double top = kNone;
+      if (noise.top_sigma_px > 0.0 && rows[i].index != 0 && std::abs(rows[i].index) <= kTopRows) {
+        const double u = rows[i].index < 0 ? seen.left : seen.right;
+        if (told(u, i, all, true) && !told(u, i, all, false)) top = u;
+      }
       if (!told(seen.left, i, all, noise.leaf_against_leaf)) seen.left = kNone;
       if (!told(seen.right, i, all, noise.leaf_against_leaf)) seen.right = kNone;
-      add_sample(rows[i], seen, v, camera, noise, random);
+      add_sample(rows[i], seen, top, v, camera, noise, random);
     }
   }
   rows::RowLines lines;

@@ -43,6 +43,9 @@ struct Noise {
   /// A row's far edge is seen against the next row's leaves; else only against soil, as by a detector of
   /// green.
   bool leaf_against_leaf = true;
+  /// Far edges of tops that stand against leaves and are not told otherwise are told by their light on the three
+  /// rows to each side, with one error for a row of this sigma, px along the picture row; 0: not at all.
+  double top_sigma_px = 0.0;
 };
 
 /// The thesis's camera at 1280x720 (THESIS.md, section 2), with mild distortion.

@@ -120,7 +120,7 @@ altitude::FieldKnowledge drawn_farm(const altitude::testing::World& world, base:
   altitude::FieldKnowledge field = farm(world.spacing_m, world.half_width_m, 1.7);
   for (Estimate* number : {&field.row_spacing_m, &field.half_width_m})
     number->value += random.normal(0.0, number->sigma);
-  field.rounding_m = field.outline_rise_m = {0.0, 0.0, 1};  // prisms end where they end
+  field.outline_rise_m = {0.0, 0.0, 1};  // rows end where they end
   return field;
 }
 
@@ -130,10 +130,11 @@ struct Generated {
   std::vector<Truth> truths;
 };
 
-Generated generate(const Condition& c, int count, const Camera& camera, base::Random& random) {
+Generated generate(const Condition& c, const altitude::testing::World& field, int count, const Camera& camera,
+                   base::Random& random) {
   Generated flight;
   for (int i = 0; i < count; ++i) {
-    altitude::testing::World world;
+    altitude::testing::World world = field;
     world.height_above_canopy_m = random.uniform(c.low_m, c.high_m);
     world.attitude = {deg_to_rad(random.normal(0.0, 2.0)), deg_to_rad(c.pitch_deg),
                       deg_to_rad(random.normal(0.0, 0.3))};
@@ -143,6 +144,8 @@ Generated generate(const Condition& c, int count, const Camera& camera, base::Ra
     altitude::testing::Noise noise{
         .edge_sigma_px = 2.0, .correlation = 0.7, .planting_sigma_m = 0.03, .growth_sigma_m = 0.03};
     noise.leaf_against_leaf = false;
+    noise.foot_anywhere = true;
+    noise.top_sigma_px = 3.0;
     altitude::ShotInput shot;
     shot.shot_id = std::to_string(i);
     shot.lines = altitude::testing::picture_of(world, camera, noise, random.bits());
@@ -192,12 +195,15 @@ void generated(const Condition& c, int flights) {
   const Camera camera = altitude::testing::thesis_camera();
   altitude::FlightOptions options;
   options.threads = 1;
+  options.shots_per_stretch = 1.0;  // each shot has plants of its own
   Table table;
   Generated last;
   for (int i = 0; i < flights; ++i) {
-    const altitude::testing::World world;
+    altitude::testing::World world;
+    world.rounding_m = altitude::kRoundingPerHalfWidth * world.half_width_m *
+                       std::exp(random.normal(0.0, altitude::kLogRoundingSigma));
     const altitude::FieldKnowledge field = drawn_farm(world, random);
-    last = generate(c, kShotsPerFlight, camera, random);
+    last = generate(c, world, kShotsPerFlight, camera, random);
     const std::clock_t start = std::clock();
     const auto flight = altitude::refine_flight(last.shots, camera, field, options);
     table.time += std::clock() - start;
@@ -256,9 +262,9 @@ int simulated(const std::filesystem::path& folder) {
 int main(int argc, char** argv) {
   constexpr int kFlights = 84;  // of 12 shots: 1,008 a condition
   std::printf(
-      "generated rows in flights of 12: 2 px edges correlated 0.7, 3 cm plants, edges against soil only, "
-      "pitch\n"
-      "log +0.7 deg, spacing known to 1 %%; height without the spacing's own error, coverage with it\n"
+      "generated rows in flights of 12: tops of any rounding, 2 px edges correlated 0.7 against soil, 3 px tops "
+      "against\nleaves, 3 cm plants, feet of walls anywhere, pitch log +0.7 deg, spacing known to 1 %%; height without "
+      "the\nspacing's own error, coverage with it\n"
       "%-30s shots  answer  height    pitch bias  cross     1 s    2 s     a shot\n",
       "");
   for (const Condition& c :
