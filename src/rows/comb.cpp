@@ -124,6 +124,7 @@ double mean_over_rows(const std::vector<float>& strip_v, int width, const Planar
     weight[static_cast<std::size_t>(i + kMostRows)] = static_cast<float>(1.0 / (1.0 + off * off));
   }
   float total = 0.0F;
+  const float tilt = static_cast<float>(emphasis.tilt);
   const float right = static_cast<float>(width - 1), least = static_cast<float>(emphasis.least_scale);
   const float g = static_cast<float>(field.convergence), spacing0 = static_cast<float>(field.spacing);
   const float offset = static_cast<float>(field.offset + middle * field.spacing),
@@ -142,6 +143,23 @@ double mean_over_rows(const std::vector<float>& strip_v, int width, const Planar
     const int last = std::min(kMostRows, whole_below((right - centre) * per_spacing));
     const auto at = on_strip(j, spacing);
     float sum = 0.0F, weights = 0.0F;
+    if (tilt != 0.0F) {
+      const float lean =
+          per_length * (g * offset + slope + y * ((2.0F - g * y) * bend + y * (3.0F - 2.0F * g * y) * bend2));
+      const float lean_step = per_length * g * spacing0;
+      for (int i = -kMostRows; i <= kMostRows; ++i) {
+        const float level_u = centre + static_cast<float>(i) * spacing;
+        const float st = tilt * (lean + static_cast<float>(i) * lean_step);
+        if (st < -0.7F) continue;
+        const float u = level_u - (level_u - u0) * st / (1.0F + st);
+        if (u < 0.0F || u > right) continue;
+        const float w = weight[static_cast<std::size_t>(i + kMostRows)];
+        sum += w * at(u);
+        weights += w;
+      }
+      if (weights > 0.0F) total += sum / weights;
+      continue;
+    }
     for (int i = first; i <= last; ++i) {
       const float w = weight[static_cast<std::size_t>(i + kMostRows)];
       sum += w * at(centre + static_cast<float>(i) * spacing);

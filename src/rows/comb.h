@@ -31,6 +31,7 @@ struct Emphasis {
   double least_scale = 0.05;  ///< strips whose spacing is below this part of the bottom one are left out
   double centre_k = 0.0;      ///< rows count with weight 1 / (1 + ((k - centre_k) / reach)^2)
   double reach = 1e9;
+  double tilt = 0.0;  ///< dv/du of the horizon; the field is then that of the picture levelled by it
 };
 
 /// For every place of every strip: how much greener a row of that field would be there than what lies

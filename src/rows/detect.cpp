@@ -56,6 +56,18 @@ std::vector<RowLine>::iterator followed_row(RowLines& lines) {
 }
 }  // namespace
 
+RowLines begun(const Image& picture, const char* method) {
+  RowLines lines;
+  lines.method = method;
+  lines.width = picture.width;
+  lines.height = picture.height;
+  if (picture.empty()) {
+    lines.status = "picture_empty";
+    lines.reason = "the picture has no pixels";
+  }
+  return lines;
+}
+
 void index_rows(RowLines& lines) {
   if (lines.rows.empty()) return;
   std::stable_sort(lines.rows.begin(), lines.rows.end(), [&](const RowLine& a, const RowLine& b) {

@@ -19,6 +19,9 @@ namespace {
 constexpr double kSearchPixels =
     320.0 * 240.0;  // of the search: rows a few px apart are still told apart, and it takes milliseconds
 
+/// FoundField::explained of a field that is beyond doubt: clear pictures have more.
+constexpr double kLeastExplained = 0.7;
+
 /// Row k at the model's places: from top to bottom where it is in the picture or less than a spacing outside.
 RowLine row_of(const CommonModel& model, int k, int width, const std::vector<double>& sample_v) {
   constexpr double kUnseenSigma = 0.05;  // spacings: how well the model alone places a row
@@ -103,11 +106,13 @@ RowLines no_rows(RowLines lines, double score, double least_score) {
   return lines;
 }
 
-/// Probability that the rows are right: a logistic through the development halves of CRBD and CRDLD, where
-/// half of the pictures at a score of 0.10 and nine tenths at 0.18 were right (docs/formulation/rows.md).
-double confidence_of(double score) {
+/// Probability that the rows are right: a logistic of the score through the development halves of CRBD and
+/// CRDLD, where half of the pictures at a score of 0.10 and nine tenths at 0.18 were right
+/// (docs/formulation/rows.md). Less where half strips show a pattern that the field leaves unexplained: it
+/// may be another one.
+double confidence_of(const FoundField& found) {
   constexpr double kEven = 0.10, kScale = 0.035;
-  return 1.0 / (1.0 + std::exp(-(score - kEven) / kScale));
+  return std::min(1.0, found.explained / kLeastExplained) / (1.0 + std::exp(-(found.score - kEven) / kScale));
 }
 
 int edge_count(const std::vector<RowLine>& rows) {
@@ -141,29 +146,63 @@ void straighten(const Image& picture, const Priors& priors, const GreenMap& map,
   write_tops(*tops, model.field(), tilt, rows);
 }
 
-RowLines detect_level(const Image& picture, const DetectOptions& options) {
-  RowLines lines;
-  lines.method = "field";
-  lines.width = picture.width;
-  lines.height = picture.height;
-  if (picture.empty()) {
-    lines.status = "picture_empty";
-    lines.reason = "the picture has no pixels";
-    return lines;
-  }
-  const GreenMap map = green_map(picture, kSearchPixels);
+/// A search in the picture levelled by a slope of the horizon.
+struct Searched {
+  double slope = 0.0;
+  GreenMap map;
+  std::optional<FoundField> found;
+
+  double score() const { return found ? found->score : 0.0; }
+};
+
+Searched search_levelled(const Image& picture, const DetectOptions& options, double slope) {
+  Searched result;
+  result.slope = slope;
+  const GreenMap& map = result.map =
+      green_map(slope == 0.0 ? picture : levelled(picture, slope), kSearchPixels);
   SearchPriors priors;
   if (options.priors.horizon_v_px) {
     priors.horizon_v = (*options.priors.horizon_v_px + 0.5) / map.scale_v - 0.5;
     priors.horizon_sigma = std::max(options.priors.horizon_sigma_px / map.scale_v, 1.0);
   }
-  std::optional<FoundField> found;
-  if (options.previous) found = continue_field(map, in_map(*options.previous, map), priors);
-  if (!found) found = search_field(map, priors);
+  if (options.previous) result.found = continue_field(map, in_map(*options.previous, map), priors);
+  if (!result.found) result.found = search_field(map, priors);
+  return result;
+}
+
+/// Levels by what the rows show, where no roll was told. Where half strips show rows that the field does not
+/// explain, rolls too large for the search are tried as well.
+Searched levelled_by_rows(const Image& picture, const DetectOptions& options, Searched best) {
+  constexpr double kLargeSlope = 0.27, kClearly = 1.15;
+  constexpr double kHarmless =
+      0.06;  // rows are as right without, and uneven passes of a planter look like it
+  constexpr int kRounds = 3;
+  DetectOptions afresh = options;
+  afresh.previous.reset();
+  if (best.found && best.found->explained < kLeastExplained) {
+    for (const double slope : {-kLargeSlope, kLargeSlope}) {
+      Searched other = search_levelled(picture, afresh, best.slope + slope);
+      if (other.score() > kClearly * best.score()) best = std::move(other);
+    }
+  }
+  for (int round = 0; round < kRounds && best.found && best.found->tilt != 0.0; ++round) {
+    if (best.slope == 0.0 && std::abs(best.found->tilt) < kHarmless) break;
+    Searched next = search_levelled(picture, afresh, best.slope + best.found->tilt);
+    if (next.score() <= best.score()) break;
+    best = std::move(next);
+  }
+  return best;
+}
+
+RowLines shaped(const Image& picture, const DetectOptions& options, const Searched& searched) {
+  RowLines lines = begun(picture, "field");
+  const auto& [slope, map, found] = searched;
   if (!found || found->score < options.least_score)
-    return no_rows(lines, found ? found->score : 0.0, options.least_score);
+    return no_rows(lines, searched.score(), options.least_score);
   CommonModel model(*found, map);
-  const auto sample_v = sample_rows(picture.height, std::min(options.sample_step_px, picture.height / 60.0));
+  const double most_step = slope == 0.0 ? 10.0 : 5.0;  // tilting may double a step
+  const auto sample_v =
+      sample_rows(picture.height, std::min({options.sample_step_px, most_step, picture.height / 60.0}));
   const bool is_fine = std::min(options.shape_pixels, 1.0 * picture.width * picture.height) <= kSearchPixels;
   const GreenMap fine =
       leaf_map(is_fine ? map : green_map(picture, options.shape_pixels), model, found->tooth);
@@ -176,7 +215,7 @@ RowLines detect_level(const Image& picture, const DetectOptions& options) {
   lines.status = "ok";
   lines.score = found->score;
   lines.tooth = found->tooth;
-  lines.confidence = confidence_of(found->score);
+  lines.confidence = confidence_of(*found);
   return lines;
 }
 
@@ -184,19 +223,23 @@ RowLines detect_level(const Image& picture, const DetectOptions& options) {
 
 std::optional<Previous> previous_of(const RowLines& lines) {
   if (!lines.ok() || !lines.field) return std::nullopt;
-  return Previous{*lines.field, lines.tooth, lines.score};
+  return Previous{*lines.field, lines.tooth, lines.score, lines.horizon_slope};
 }
 
 RowLines detect_field(const Image& picture, const DetectOptions& options) {
   // Less than the first moves the field by less than noise does; beyond the second nothing was ever level.
   constexpr double kLeastSlope = 0.01, kMostSlope = 1.0;
-  const double slope = options.priors.horizon_slope.value_or(0.0);
-  if (!(std::abs(slope) > kLeastSlope && std::abs(slope) < kMostSlope) || picture.empty())
-    return detect_level(picture, options);
+  if (picture.empty()) return begun(picture, "field");
+  const auto& told = options.priors.horizon_slope;
+  double slope = told.value_or(options.previous ? options.previous->horizon_slope : 0.0);
+  if (!(std::abs(slope) > kLeastSlope && std::abs(slope) < kMostSlope)) slope = 0.0;
+  Searched searched = search_levelled(picture, options, slope);
+  if (!told) searched = levelled_by_rows(picture, options, std::move(searched));
+  slope = searched.slope;
+  if (slope == 0.0) return shaped(picture, options, searched);
   DetectOptions level = options;
   level.priors.horizon_slope.reset();
-  level.sample_step_px = 0.5 * std::min(options.sample_step_px, 10.0);  // tilting may double a step
-  RowLines lines = detect_level(levelled(picture, slope), level);
+  RowLines lines = shaped(levelled(picture, slope), level, searched);
   tilt_back(lines, slope);
   return lines.ok() && lines.rows.empty() ? no_rows(lines, lines.score, options.least_score) : lines;
 }

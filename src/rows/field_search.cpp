@@ -51,20 +51,29 @@ double horizon_cost(const PlanarField& field, const SearchPriors& priors) {
 /// A simplex whose scores differ by less has arrived; trials that decide differ by 0.01.
 constexpr double kScoreTolerance = 1e-4;
 
+bool is_allowed(const PlanarField& field, int width) {
+  constexpr double kLeastSpacingPx = 4.0;
+  return field.spacing >= kLeastSpacingPx && field.spacing <= width;
+}
+
+/// Steps of a simplex of some size: they move rows by about that many spacings where the spacing is
+/// `least_scale` of the bottom one.
+Parameters steps_of(const PlanarField& field, double least_scale, double size) {
+  const double far = 1.0 / std::max(least_scale, 0.05), s = field.spacing * size;
+  const double depth = std::max(1.0, (far - 1.0) / std::max(std::abs(field.convergence), 0.3));
+  return {0.08 * size, 0.25 * s, s, 1.5 * s / depth, 1.5 * s / (depth * depth), s / (depth * depth * depth)};
+}
+
 /// Better parameters near `start`. `size` is the simplex's size: it moves rows at the far end of the strips
 /// by about that many spacings.
 PlanarField refine(const Response& response, const PlanarField& start, const Emphasis& emphasis, double size,
                    int calls, const SearchPriors& priors) {
-  constexpr double kLeastSpacingPx = 4.0;
   const auto cost = [&](const Parameters& x) {
     const PlanarField field = field_of(start, x);
-    if (!(field.spacing >= kLeastSpacingPx && field.spacing <= response.width)) return 1.0;
+    if (!is_allowed(field, response.width)) return 1.0;
     return bend_cost(field) + horizon_cost(field, priors) - comb_score(response, field, emphasis);
   };
-  const double far = 1.0 / std::max(emphasis.least_scale, 0.05), s = start.spacing * size;
-  const double depth = std::max(1.0, (far - 1.0) / std::max(std::abs(start.convergence), 0.3));
-  const Parameters step = {
-      0.08 * size, 0.25 * s, s, 1.5 * s / depth, 1.5 * s / (depth * depth), s / (depth * depth * depth)};
+  const Parameters step = steps_of(start, emphasis.least_scale, size);
   return field_of(start, minimise_simplex(cost, parameters(start), step, calls, kScoreTolerance));
 }
 
@@ -329,6 +338,91 @@ void undo_half_spacing(const Strips& strips, FoundField& found) {
     double_spacing(strips, doubled, tooth, found);
 }
 
+// ---- Is it right?
+// ----------------------------------------------------------------------------------------------
+
+/// dv/du of the horizon with which the field explains clearly more, else 0. Rows to the left and right of the
+/// middle fan out unevenly under a roll.
+double tilt_of(const Strips& strips, const FoundField& found) {
+  constexpr double kTiltSigma = 0.15, kTiltWeight = 0.002;  // of the score: few rows tell no tilt
+  constexpr double kLeastTilt = 0.02;                       // a degree
+  constexpr double kLeastGain = 0.13;                       // of the score
+  constexpr int kRounds = 2, kCalls = 150;                  // a simplex that has shrunk too early starts anew
+  const Response response = respond(strips, found.field, found.tooth);
+  const auto cost = [&](const std::array<double, 7>& x) {
+    const PlanarField field = field_of(found.field, {x[0], x[1], x[2], x[3], x[4], x[5]});
+    if (!is_allowed(field, response.width)) return 1.0;
+    return bend_cost(field) + kTiltWeight * x[6] * x[6] / (kTiltSigma * kTiltSigma) -
+           comb_score(response, field, {.tilt = x[6]});
+  };
+  const Parameters x = parameters(found.field), step = steps_of(found.field, 0.05, 0.08);
+  std::array<double, 7> start{}, steps{};
+  std::copy(x.begin(), x.end(), start.begin());
+  std::copy(step.begin(), step.end(), steps.begin());
+  steps[6] = 0.06;
+  auto tilted = start;
+  for (int round = 0; round < kRounds; ++round)
+    tilted = minimise_simplex(cost, tilted, steps, kCalls, kScoreTolerance);
+  const double gain = cost(start) - cost(tilted);
+  return std::abs(tilted[6]) > kLeastTilt && gain > kLeastGain * found.score ? tilted[6] : 0.0;
+}
+
+/// Mean response over a window of one strip at `first` and every `spacing` on, lowered where few rows carry
+/// it.
+double window_response(const Response& response, std::size_t j, double first, double spacing, double to) {
+  double sum = 0.0;
+  int count = 0;
+  for (double u = first; u <= to; u += spacing, ++count)
+    sum += static_cast<double>(response.at(j, static_cast<float>(u)));
+  return count > 0 ? sum / count * evidence_part(0.5 * response.width / spacing) : 0.0;
+}
+
+/// FoundField::explained: what the field's rows respond in half strips, over what equally spaced rows of any
+/// spacing and phase would respond there.
+double explained_part(const Strips& all, const FoundField& found) {
+  constexpr std::size_t kEvery = 4;  // strips
+  constexpr double kClear = 0.3;     // noise finds itself a comb of 0.2 to 0.27
+  constexpr double kRatio = 1.08, kPhases = 10.0;
+  constexpr double kLeastScale = 0.15, kLeastPx = 4.0;
+  Strips strips;
+  strips.width = all.width, strips.height = all.height;
+  for (std::size_t j = 0; j < all.count(); j += kEvery) {
+    const double v = static_cast<double>(all.v[j]);
+    if (found.field.scale(v) < kLeastScale || found.field.spacing_at(v) < kLeastPx) continue;
+    strips.v.push_back(all.v[j]);
+    const auto from = all.sum.begin() + static_cast<std::ptrdiff_t>(j * all.stride());
+    strips.sum.insert(strips.sum.end(), from, from + static_cast<std::ptrdiff_t>(all.stride()));
+  }
+  constexpr std::array kWindows = {0.0, 0.25, 0.5};  // where half strips begin
+  std::vector<std::array<double, kWindows.size()>> best(strips.count());
+  PlanarField level = anchored(strips);
+  for (level.spacing = kLeastPx; level.spacing < 0.25 * strips.width; level.spacing *= kRatio) {
+    const Response response = respond(strips, level, found.tooth);
+    for (std::size_t j = 0; j < strips.count(); ++j) {
+      for (std::size_t w = 0; w < kWindows.size(); ++w) {
+        const double from = kWindows[w] * strips.width, to = from + 0.5 * strips.width;
+        for (double phase = 0.0; phase < 1.0; phase += 1.0 / kPhases)
+          best[j][w] = std::max(
+              best[j][w], window_response(response, j, from + phase * level.spacing, level.spacing, to));
+      }
+    }
+  }
+  const Response response = respond(strips, found.field, found.tooth);
+  double free_sum = 0.0, sum = 0.0;
+  for (std::size_t j = 0; j < strips.count(); ++j) {
+    const double v = static_cast<double>(strips.v[j]), spacing = found.field.spacing_at(v),
+                 zero = found.field.u_at(v, 0.0);
+    for (std::size_t w = 0; w < kWindows.size(); ++w) {
+      const double from = kWindows[w] * strips.width,
+                   first = zero + std::ceil((from - zero) / spacing) * spacing;
+      sum += window_response(response, j, first, spacing, from + 0.5 * strips.width);
+      free_sum += best[j][w];
+    }
+  }
+  const double windows = static_cast<double>(strips.count() * kWindows.size());
+  return free_sum > kClear * windows ? std::clamp(sum / free_sum, 0.0, 1.0) : 1.0;
+}
+
 /// The rows nearest the picture's middle decide at the end: passes of the planter lie apart by a little more
 /// or less than a spacing, so far rows pull the model off the near ones.
 void settle(const Strips& strips, const SearchPriors& priors, FoundField& found) {
@@ -398,6 +492,9 @@ std::optional<FoundField> search_field(const GreenMap& map, const SearchPriors& 
   FoundField best = *std::max_element(
       found.begin(), found.end(), [](const FoundField& a, const FoundField& b) { return a.score < b.score; });
   undo_half_spacing(fine, best);
+  constexpr double kBeyondDoubt = 0.5;  // of the score: the field explains nearly all
+  best.tilt = tilt_of(coarse, best);
+  if (best.score < kBeyondDoubt) best.explained = explained_part(coarse, best);
   settle(fine, priors, best);
   return best;
 }

@@ -20,6 +20,10 @@ struct FoundField {
   PlanarField field;
   double tooth = 0.3;  ///< width of a row in spacings that explains most
   double score = 0.0;  ///< mean response, lowered where few rows carry it
+  double tilt = 0.0;   ///< dv/du of the horizon, where the rows clearly show one; else 0
+  /// Part of the pattern that half strips show by themselves which the field explains; 1 where they show none
+  /// clearly. A field that is right has more than two thirds.
+  double explained = 1.0;
   FollowedField
       followed;  ///< the same rows, let go from the plane where the picture asks for it (hills, uneven bends)
 };

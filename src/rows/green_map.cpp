@@ -9,10 +9,6 @@
 namespace furrow::rows {
 namespace {
 
-/// Added to R + G + B so that the noise of nearly black pixels is not blown up: ten grey levels a channel,
-/// about the noise and chroma error of a small JPEG.
-constexpr float kDarkLevel = 30.0F;
-
 /// Shares from 0.1 to 0.7 in equal steps: all that leaves, soil, straw and sky have.
 int chroma_level(int channel, float per_sum) {
   constexpr float kLow = 0.1F, kHigh = 0.7F, kPerShare = kChromaLevels / (kHigh - kLow);

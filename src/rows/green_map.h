@@ -10,6 +10,10 @@ namespace furrow::rows {
 inline constexpr int kChromaLevels = 64;
 inline constexpr int kChromaCells = kChromaLevels * kChromaLevels;
 
+/// Added to R + G + B so that the noise of nearly black pixels is not blown up: ten grey levels a channel,
+/// about the noise and chroma error of a small JPEG.
+inline constexpr float kDarkLevel = 30.0F;
+
 /// How green a picture is, at a reduced size: chromatic excess green (2 G - R - B) / (R + G + B) (Woebbecke
 /// et al. 1995), which light and shadow change little.
 struct GreenMap {

@@ -1,9 +1,13 @@
 #pragma once
 #include <vector>
 
+#include "furrow/image/image.h"
 #include "furrow/rows/row_lines.h"
 
 namespace furrow::rows {
+
+/// An answer for a picture, still without rows; says so where there is no picture.
+RowLines begun(const Image& picture, const char* method);
 
 /// Picture rows from the first to the last, both included, evenly spaced at most `step_px` apart.
 std::vector<double> sample_rows(int height, double step_px);

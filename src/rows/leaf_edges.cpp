@@ -57,7 +57,6 @@ float upper_tenth(std::vector<float>& values) {
 /// Log light of every pixel that is green, against the median of all that are; kGround for the rest.
 std::vector<float> leaf_light(const GreenMap& map) {
   constexpr std::size_t kSparse = 97;  // one pixel of so many is enough for a quantile
-  constexpr float kDark = 30.0F;       // the noise of black pixels, as in green_map
   // Part of the greenest pixels' greenness below which nothing is a leaf of the crop, and above which all is:
   // grass has about half.
   constexpr float kLeastGreen = 0.5F, kFullGreen = 0.85F;
@@ -67,7 +66,7 @@ std::vector<float> leaf_light(const GreenMap& map) {
   const float full = upper_tenth(greens), least = kLeastGreen * full;
   std::vector<float> result(map.value.size());
   for (std::size_t i = 0; i < result.size(); ++i) {
-    result[i] = std::log(static_cast<float>(map.light[i]) + kDark);
+    result[i] = std::log(static_cast<float>(map.light[i]) + kDarkLevel);
     if (i % kSparse == 0 && map.value[i] > least) lights.push_back(static_cast<double>(result[i]));
   }
   const float typical = lights.empty() ? 0.0F : static_cast<float>(stats::median(lights));

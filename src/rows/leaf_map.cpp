@@ -32,12 +32,12 @@ cv::Mat light_steps(const cv::Mat& light) {
 /// The look of every pixel. Texture is the mean light step over the mean light of 5 x 5 px, an eighth a
 /// level: leaves in sun and leaves in shade stand side by side; mown grass and soil are even.
 std::vector<std::uint16_t> looks_of(const GreenMap& map) {
-  constexpr double kLevelsPerContrast = 8.0, kDarkLevel = 30.0;
+  constexpr double kLevelsPerContrast = 8.0;
   const cv::Mat light(map.height, map.width, CV_16U, const_cast<std::uint16_t*>(map.light.data()));
   cv::Mat steps, lights, levels;
   cv::blur(light_steps(light), steps, {5, 5});
   cv::blur(light, lights, {5, 5});
-  cv::add(lights, cv::Scalar(kDarkLevel), lights);
+  cv::add(lights, cv::Scalar(static_cast<double>(kDarkLevel)), lights);
   cv::divide(steps, lights, levels, kLevelsPerContrast, CV_8U);
   std::vector<std::uint16_t> looks(map.chroma.size());
   const std::uint8_t* level = levels.ptr<std::uint8_t>();

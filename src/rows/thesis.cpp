@@ -182,15 +182,8 @@ Image drawn(const cv::Mat& working, const std::vector<HoughLine>& lines) {
 }  // namespace
 
 RowLines detect_thesis(const Image& picture, const ThesisOptions& options) {
-  RowLines result;
-  result.method = "thesis";
-  result.width = picture.width;
-  result.height = picture.height;
-  if (picture.empty()) {
-    result.status = "picture_empty";
-    result.reason = "the picture has no pixels";
-    return result;
-  }
+  RowLines result = begun(picture, "thesis");
+  if (picture.empty()) return result;
   const Chain chain = run_chain(picture, options);
   const double scale_u = static_cast<double>(picture.width) / options.width;
   const double scale_v = static_cast<double>(picture.height) / options.height;

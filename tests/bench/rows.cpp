@@ -227,13 +227,32 @@ struct Tally {
   std::array<std::vector<double>, 4> by_quarter;
   int right = 0;
   int sure = 0, sure_right = 0;  // confidence 0.9 and more
+  std::vector<bench::Answer> answers;
 
   void count_confidence(double confidence, bool is_right) {
+    answers.push_back({confidence, is_right});
     if (confidence < 0.9) return;
     ++sure;
     sure_right += is_right;
   }
 };
+
+/// How often pictures of some confidence were right.
+void print_reliability(const std::string& method_name, const std::vector<bench::Answer>& answers) {
+  constexpr std::array kBorders = {0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 0.99, 1.01};
+  if (answers.empty()) return;
+  std::printf("confidence %-6s", method_name.c_str());
+  for (std::size_t i = 0; i + 1 < kBorders.size(); ++i) {
+    int count = 0, right = 0;
+    double sum = 0.0;
+    for (const bench::Answer& answer : answers) {
+      if (answer.confidence < kBorders[i] || answer.confidence >= kBorders[i + 1]) continue;
+      ++count, right += answer.is_right, sum += answer.confidence;
+    }
+    if (count > 0) std::printf(" %.2f: %d of %d", sum / count, right, count);
+  }
+  std::printf("\n");
+}
 
 void print_line(const Arguments& arguments, const std::string& name, double score,
                 const rows::RowLines& lines, double extra) {
@@ -242,7 +261,8 @@ void print_line(const Arguments& arguments, const std::string& name, double scor
               extra, lines.rows.size(), lines.confidence, lines.status.c_str());
 }
 
-void bench_crbd(const Arguments& arguments, rows::Method method, const std::string& method_name) {
+std::vector<bench::Answer> bench_crbd(const Arguments& arguments, rows::Method method,
+                                      const std::string& method_name) {
   Tally tally;
   const auto files = pictures_in(arguments.data / "rows/crbd-train");
   for (std::size_t i = 0; i < files.size(); ++i) {
@@ -266,7 +286,7 @@ void bench_crbd(const Arguments& arguments, rows::Method method, const std::stri
       (void)image::write_image(arguments.draw / (method_name + "_" + files[i].stem().string() + ".png"),
                                overlay(*picture, lines));
   }
-  if (tally.scores.empty()) return;
+  if (tally.scores.empty()) return {};
   std::printf(
       "CRBD  %-7s n %3zu  CRDA %.3f (quarters from the top %.2f %.2f %.2f %.2f)  spacing<5%% %.3f  ms mean "
       "%.2f median %.2f  right at confidence 0.9: %d of %d\n",
@@ -274,6 +294,7 @@ void bench_crbd(const Arguments& arguments, rows::Method method, const std::stri
       stats::mean(tally.by_quarter[1]), stats::mean(tally.by_quarter[2]), stats::mean(tally.by_quarter[3]),
       tally.right / static_cast<double>(tally.scores.size()), stats::mean(tally.ms), stats::median(tally.ms),
       tally.sure_right, tally.sure);
+  return tally.answers;
 }
 
 void bench_bound(const Arguments& arguments) {
@@ -349,12 +370,13 @@ std::optional<CentreRow> found_centre(const rows::RowLines& lines) {
   return best;
 }
 
-void bench_crdld(const Arguments& arguments, rows::Method method, const std::string& method_name) {
+std::vector<bench::Answer> bench_crdld(const Arguments& arguments, rows::Method method,
+                                       const std::string& method_name) {
   const auto folder = arguments.data / "rows/crdld-train";
   const auto files = pictures_in(folder);
-  if (files.empty()) return;
+  if (files.empty()) return {};
   const auto document = base::read_json(folder / "lines.json");
-  if (!document.ok()) return;
+  if (!document.ok()) return {};
   Tally tally;
   int any_right = 0;
   for (std::size_t i = 0; i < files.size(); ++i) {
@@ -388,13 +410,14 @@ void bench_crdld(const Arguments& arguments, rows::Method method, const std::str
       (void)image::write_image(arguments.draw / (method_name + "_crdld_" + files[i].stem().string() + ".png"),
                                overlay(*picture, lines));
   }
-  if (tally.scores.empty()) return;
+  if (tally.scores.empty()) return {};
   std::printf(
       "CRDLD %-7s n %3zu  centre row right %.3f  (some row right %.3f)  ms mean %.2f  right at confidence "
       "0.9: %d of %d\n",
       method_name.c_str(), tally.scores.size(), stats::mean(tally.scores),
       any_right / static_cast<double>(tally.scores.size()), stats::mean(tally.ms), tally.sure_right,
       tally.sure);
+  return tally.answers;
 }
 
 /// CRDA and spacings on perturbed copies, by kind.
@@ -482,11 +505,19 @@ int main(int argc, char** argv) {
   for (const auto& [name, method] :
        {std::pair{"thesis", rows::Method::thesis}, std::pair{"field", rows::Method::field}}) {
     if (!wanted(name)) continue;
-    bench_crbd(arguments, method, name);
-    bench_crdld(arguments, method, name);
+    std::vector<bench::Answer> answers = bench_crbd(arguments, method, name);
+    const auto add = [&](const std::vector<bench::Answer>& more) {
+      answers.insert(answers.end(), more.begin(), more.end());
+    };
+    add(bench_crdld(arguments, method, name));
+    print_reliability(name, answers);
     if (arguments.perturbed) bench_perturbed(arguments, method, name);
     if (arguments.times) bench_times(arguments, method, name);
-    if (arguments.sweep) bench::print_row_sweep(method, name);
+    if (!arguments.sweep) continue;
+    const auto drawn = bench::print_row_sweep(method, name);
+    print_reliability(name, drawn);
+    add(drawn);
+    print_reliability(name, answers);
   }
   return 0;
 }

@@ -107,7 +107,7 @@ bool is_right(const Scene& scene, const DrawnField& drawn, const rows::RowLines&
          });
 }
 
-void print_cell(rows::Method method, const Scene& scene, double value) {
+void print_cell(rows::Method method, const Scene& scene, double value, std::vector<Answer>& answers) {
   int right = 0;
   std::vector<double> scores, confidences;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
@@ -120,7 +120,9 @@ void print_cell(rows::Method method, const Scene& scene, double value) {
           0.5 * (kHeight - 1) - horizon_above_middle(scene) / std::cos(radians(scene.roll_deg));
     }
     const auto lines = rows::detect(picture_of(scene, drawn), options);
-    right += is_right(scene, drawn, lines);
+    const bool right_here = is_right(scene, drawn, lines);
+    right += right_here;
+    answers.push_back({lines.confidence, right_here});
     scores.push_back(lines.score);
     confidences.push_back(lines.confidence);
   }
@@ -129,33 +131,35 @@ void print_cell(rows::Method method, const Scene& scene, double value) {
 }
 
 void print_line(rows::Method method, const char* method_name, const char* what, Scene scene,
-                double Scene::*quantity, const std::vector<double>& values) {
+                double Scene::*quantity, const std::vector<double>& values, std::vector<Answer>& answers) {
   std::printf("sweep %-6s %s", method_name, what);
   for (const double value : values) {
     scene.*quantity = value;
-    print_cell(method, scene, value);
+    print_cell(method, scene, value, answers);
   }
   std::printf("\n");
 }
 
 }  // namespace
 
-void print_row_sweep(rows::Method method, const char* method_name) {
+std::vector<Answer> print_row_sweep(rows::Method method, const char* method_name) {
+  std::vector<Answer> answers;
   const auto line = [&](const char* what, double Scene::*quantity, const std::vector<double>& values,
                         const Scene& scene = {}) {
-    print_line(method, method_name, what, scene, quantity, values);
+    print_line(method, method_name, what, scene, quantity, values, answers);
   };
   std::printf("sweep %-6s quantity value: part right (median score, median confidence), %d pictures each\n",
               method_name, kSeeds);
   line("noise / levels", &Scene::noise, {0, 12, 24, 48, 72, 96});
   line("blur / px", &Scene::blur_px, {0, 2, 4, 6, 8, 12});
-  line("rows on the middle row", &Scene::row_count, {1.5, 2, 3, 6, 12, 24, 40, 60});
+  line("rows on the middle row", &Scene::row_count, {1.5, 2, 3, 6, 12, 24, 40, 60, 80, 120});
   line("pitch / deg", &Scene::pitch_deg, {8, 12, 20, 35, 60, 90});
-  line("roll / deg", &Scene::roll_deg, {0, 3, 6, 10, 15, 20});
+  line("roll / deg", &Scene::roll_deg, {0, 3, 6, 10, 15, 20, 25, 30, 40});
   line("roll / deg, horizon given", &Scene::roll_deg, {0, 3, 6, 10, 15, 20}, {.knows_horizon = true});
   line("missing plants", &Scene::gaps, {0, 0.3, 0.5, 0.7, 0.8, 0.9});
   line("half width / spacings", &Scene::half_width, {0.04, 0.1, 0.2, 0.3, 0.4, 0.45});
   line("bend radius / spacings", &Scene::bend_radius, {1e9, 80, 40, 20, 10, 5});
+  return answers;
 }
 
 }  // namespace furrow::bench

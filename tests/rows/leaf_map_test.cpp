@@ -41,7 +41,8 @@ TEST(LeafMap, LeavesOfTheSameColourStayWithTheEdgeOfGreen) {
 
 TEST(LeafMap, GreyMapAndClosedCanopyComeBackAsTheyAre) {
   auto drawn = testing::oblique();
-  const FoundField found{drawn.field, 0.4, 0.3, {}};
+  FoundField found;
+  found.field = drawn.field, found.tooth = 0.4;
   drawn.half_width = 0.6;  // rows grown together
   const GreenMap closed = green_map(draw(drawn), 1e9);
   EXPECT_EQ(leaf_map(closed, CommonModel(found, closed), 0.4).value, closed.value);

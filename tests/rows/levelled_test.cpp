@@ -77,13 +77,51 @@ TEST(Levelled, ATiltedHorizonThatIsToldCostsNothing) {
     const RowLines lines = detect(picture, options);
     ASSERT_TRUE(lines.ok()) << slope;
     EXPECT_EQ(lines.horizon_slope, slope);
-    EXPECT_GT(lines.score, 1.2 * detect(picture).score) << slope;
+    DetectOptions wrong;
+    wrong.priors.horizon_slope = 0.0;
+    EXPECT_GT(lines.score, 1.2 * detect(picture, wrong).score) << slope;
     const Errors errors = errors_of(drawn, lines, picture, slope);
     ASSERT_GT(errors.centres.size(), 100U);
     EXPECT_LT(stats::median(errors.centres), 0.015) << slope;
     ASSERT_GT(errors.edges.size(), 100U);
     EXPECT_LT(std::abs(stats::median(errors.edges)), 0.7) << slope;
   }
+}
+
+// A roll of 20 deg is far beyond what the search without roll survives.
+TEST(Levelled, ATiltThatIsNotToldIsFound) {
+  DrawnField drawn = with_margin();
+  drawn.field.spacing *= 0.5;  // three rows tell no tilt
+  for (const double slope : {-0.36, -0.15, 0.15, 0.36}) {
+    const Image picture = tilted(drawn, slope);
+    const RowLines lines = detect(picture);
+    ASSERT_TRUE(lines.ok()) << slope;
+    EXPECT_NEAR(lines.horizon_slope, slope, 0.03);
+    const Errors errors = errors_of(drawn, lines, picture, slope);
+    ASSERT_GT(errors.centres.size(), 100U);
+    EXPECT_LT(stats::median(errors.centres), 0.03) << slope;
+  }
+}
+
+// What was seen before levels the next picture of a sequence.
+TEST(Levelled, ATiltThatWasFoundStartsTheNextSearch) {
+  DrawnField drawn = with_margin();
+  drawn.field.spacing *= 0.5;
+  const Image picture = tilted(drawn, 0.3);
+  const RowLines first = detect(picture);
+  DetectOptions options;
+  options.previous = previous_of(first);
+  ASSERT_TRUE(options.previous);
+  const RowLines next = detect(picture, options);
+  EXPECT_NEAR(next.horizon_slope, first.horizon_slope, 0.03);
+  EXPECT_NEAR(next.score, first.score, 0.05);
+}
+
+// A roll that was told, level too, is not doubted.
+TEST(Levelled, ALevelHorizonThatIsToldStays) {
+  DetectOptions options;
+  options.priors.horizon_slope = 0.0;
+  EXPECT_EQ(detect(tilted(with_margin(), 0.2), options).horizon_slope, 0.0);
 }
 
 TEST(Levelled, VanishingPointAndHalfWidthAreOfThePictureItself) {

@@ -18,17 +18,18 @@ struct Priors {
   std::optional<double>
       horizon_v_px;  ///< picture row of the horizon at the middle column, from gimbal pitch and intrinsics
   double horizon_sigma_px = 40.0;
-  /// dv/du of the horizon, from the gimbal's roll: the picture is levelled by it before the search. Without
-  /// it rows are still found up to a roll of about 10 deg, with a lower score. Below 0.01 and from 1 on it is
-  /// not used.
+  /// dv/du of the horizon, from the gimbal's roll: the picture is levelled by it before the search. Below
+  /// 0.01 and from 1 on it is not used. Without it the rows tell a tilt of 0.06 and more, up to a roll of
+  /// about 20 deg.
   std::optional<double> horizon_slope;
 };
 
 /// What the shot before in a sequence showed; of its RowLines.
 struct Previous {
-  PlanarField field;   ///< px of the picture
-  double tooth = 0.3;  ///< RowLines::tooth
-  double score = 0.0;  ///< RowLines::score
+  PlanarField field;           ///< px of the picture
+  double tooth = 0.3;          ///< RowLines::tooth
+  double score = 0.0;          ///< RowLines::score
+  double horizon_slope = 0.0;  ///< RowLines::horizon_slope
 };
 
 /// Nothing when `lines` has no field.
@@ -48,8 +49,8 @@ struct DetectOptions {
   double least_score = 0.06;
   /// Step between the samples of a row, px of the picture; 10 at most.
   double sample_step_px = 10.0;
-  /// Pixels of the reduced picture in which rows get their own edges. Fewer are faster, and edges coarser: their
-  /// sigma is at least a quarter of such a pixel.
+  /// Pixels of the reduced picture in which rows get their own edges. Fewer are faster, and edges coarser:
+  /// their sigma is at least a quarter of such a pixel.
   double shape_pixels = 1280.0 * 720.0;
 };
 

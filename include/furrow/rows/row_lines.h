@@ -53,7 +53,8 @@ struct RowLines {
   /// The common model of all rows, px of the picture (method "field" only). Where horizon_slope is not 0, of
   /// the picture levelled by it: v - horizon_slope (u - middle column).
   std::optional<PlanarField> field;
-  double horizon_slope = 0.0;  ///< dv/du of the horizon that was told and used (Priors::horizon_slope)
+  double horizon_slope = 0.0;  ///< dv/du of the horizon that was told (Priors::horizon_slope), or that
+                               ///< the rows showed
   double score = 0.0;  ///< mean correlation of the picture with the field's rows (method "field" only)
   double tooth = 0.0;  ///< width of a row that explains most, spacings (method "field" only)
 
