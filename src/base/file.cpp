@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <utility>
 
 #include "furrow/base/text.h"
@@ -169,6 +170,27 @@ Result<std::vector<fs::path>> expand_pattern(const std::string& pattern, const f
   std::sort(files.begin(), files.end(),
             [](const fs::path& a, const fs::path& b) { return natural_less(a.string(), b.string()); });
   return files;
+}
+
+std::vector<std::string> names_apart(std::vector<std::string> names, const std::vector<fs::path>& files) {
+  check(names.size() == files.size(), "names_apart: a name a file");
+  const auto count = [&names] {
+    std::map<std::string, int> out;
+    for (const std::string& name : names) ++out[name];
+    return out;
+  };
+  const auto short_ones = count();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    // "../a.jpg" names its folder too.
+    if (short_ones.at(names[i]) > 1)
+      names[i] = fs::absolute(files[i]).lexically_normal().parent_path().filename().string() + "/" + names[i];
+  }
+  const auto longer = count();
+  std::map<std::string, int> seen;
+  for (std::string& name : names) {
+    if (const std::string whole = name; longer.at(whole) > 1) name += "#" + std::to_string(++seen[whole]);
+  }
+  return names;
 }
 
 Result<std::string> expand_environment(const std::string& text) {

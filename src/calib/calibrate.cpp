@@ -505,6 +505,22 @@ Status check_sizes(const std::vector<target::BoardDetection>& detections, const 
   return Done{};
 }
 
+/// What the pictures' own metadata should make a person think of.
+void warn_of_turned_pictures(const Job& job, const Round& round, Calibration& out) {
+  std::size_t turned = 0;
+  std::string first;
+  for (const std::size_t i : round.order) {
+    if (job.detections[i].exif_orientation == 1) continue;
+    if (turned++ == 0) first = job.detections[i].image;
+  }
+  if (turned == 0) return;
+  out.warnings.push_back(std::to_string(turned) + " of " + std::to_string(round.order.size()) +
+                         " pictures ask to be turned when shown (EXIF orientation; " + first +
+                         "): corners and camera are in the pixels as the sensor read them, so carry this "
+                         "camera to pictures that are "
+                         "not turned");
+}
+
 Calibration summarize(const Job& job, const Round& round, std::vector<View> views) {
   Calibration out;
   out.camera = camera_of(round.model, round.solved.shared);
@@ -527,6 +543,7 @@ Calibration summarize(const Job& job, const Round& round, std::vector<View> view
   out.rms_px = std::sqrt(squared / out.corners);
   out.mean_error_px = distance / out.corners;
   fill_covariance(round, job.options, out);
+  warn_of_turned_pictures(job, round, out);
   out.usable = std::isfinite(out.rms_px) && out.camera.covariance.size() > 0;
   out.camera.provenance = "calibrated from " + std::to_string(round.order.size()) + " views at " +
                           std::to_string(job.width) + "x" + std::to_string(job.height) + ", RMS " +

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <optional>
 
+#include "calib/set_faults.h"
 #include "furrow/base/text.h"
 #include "furrow/base/value.h"
 #include "furrow/calib/uncertainty.h"
@@ -283,17 +284,6 @@ Verdict judge(const Calibration& calibration, const std::vector<target::BoardDet
               const CalibrateOptions& options, const TrustLimits& limits) {
   Verdict out;
   const std::optional<Halves> halves = solve_halves(calibration, detections, options);
-  out.criteria = {views_criterion(calibration, limits),
-                  focal_criterion(calibration, limits),
-                  rms_criterion(calibration, limits),
-                  tilt_criterion(calibration, limits),
-                  coverage_criterion(calibration, limits),
-                  outlier_criterion(calibration, limits),
-                  aspect_criterion(calibration, detections, options, limits),
-                  halves_criterion(halves, limits)};
-  out.trusted =
-      std::all_of(out.criteria.begin(), out.criteria.end(), [](const Criterion& c) { return c.met; });
-  out.summary = summarized(out.criteria);
   out.sigma_factor = out.halves_rms_px = out.halves_expected_rms_px = kNan;
   if (halves) {
     out.halves = halves->difference;
@@ -302,6 +292,19 @@ Verdict judge(const Calibration& calibration, const std::vector<target::BoardDet
     const double factor = out.halves_rms_px / out.halves_expected_rms_px;
     out.sigma_factor = std::isfinite(factor) ? std::max(1.0, factor) : kNan;
   }
+  out.criteria = {views_criterion(calibration, limits),
+                  focal_criterion(calibration, limits),
+                  rms_criterion(calibration, limits),
+                  tilt_criterion(calibration, limits),
+                  coverage_criterion(calibration, limits),
+                  outlier_criterion(calibration, limits),
+                  aspect_criterion(calibration, detections, options, limits),
+                  zoom_criterion(calibration, detections, options, out.sigma_factor),
+                  bend_criterion(calibration, detections, options, limits.halves_focal_percent),
+                  halves_criterion(halves, limits)};
+  out.trusted =
+      std::all_of(out.criteria.begin(), out.criteria.end(), [](const Criterion& c) { return c.met; });
+  out.summary = summarized(out.criteria);
   add_empty_parts(calibration, out.next_pictures);
   add_missing_tilts(used_views(calibration), out.next_pictures);
   add_small_boards(calibration, out.next_pictures);

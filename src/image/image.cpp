@@ -31,7 +31,12 @@ cv::Mat to_8_bit(const cv::Mat& mat) {
   if (mat.depth() == CV_8U) return mat;
   cv::Mat result;
   if (mat.depth() == CV_16U) {
-    mat.convertTo(result, CV_8U, 1.0 / 257.0);
+    // Sensors of 10 to 14 bits are stored as they are; by 16 bits they would be nearly black.
+    double most = 0.0;
+    cv::minMaxLoc(mat.reshape(1), nullptr, &most);
+    int bits = 10;
+    while (bits < 16 && most > (1 << bits) - 1) bits += 2;
+    mat.convertTo(result, CV_8U, 255.0 / ((1 << bits) - 1));
   } else {
     cv::normalize(mat, result, 0, 255, cv::NORM_MINMAX, CV_8U);
   }

@@ -7,7 +7,6 @@
 #include "furrow/figures/figures.h"
 #include "furrow/project/jobs.h"
 #include "furrow/rows/thesis.h"
-#include "furrow/telemetry/shot.h"
 
 namespace furrow::project {
 namespace {
@@ -47,15 +46,10 @@ Value row_value(const rows::RowLine& row) {
 
 /// Names for the pictures' entries and files: the stem, with the folder in front where two are equal.
 std::vector<std::string> names_of(const std::vector<fs::path>& images) {
-  std::vector<telemetry::Shot> shots;
-  for (const fs::path& file : images) {
-    auto& shot = shots.emplace_back();
-    shot.image = fs::absolute(file).lexically_normal();  // "../a.jpg" names its folder too
-    shot.shot_id = file.stem().string();
-  }
   std::vector<std::string> names;
-  for (const telemetry::Shot& shot : telemetry::with_unique_ids(std::move(shots)))
-    names.push_back(fs::path(shot.shot_id).relative_path().string());
+  for (const fs::path& file : images) names.push_back(file.stem().string());
+  names = base::names_apart(std::move(names), images);
+  for (std::string& name : names) name = fs::path(name).relative_path().string();
   return names;
 }
 

@@ -128,6 +128,7 @@ BoardDetection read_and_detect(const std::filesystem::path& file, const BoardSpe
     refused(bytes.error());
   }
   out.sha256 = sha;
+  out.exif_orientation = bytes.ok() ? image::exif_orientation(*bytes) : 1;
   return out;
 }
 
@@ -196,12 +197,15 @@ std::vector<BoardDetection> detect_boards(const std::vector<std::filesystem::pat
                                           const BoardSpec& board, const DetectOptions& options, int threads,
                                           const base::Progress& progress) {
   std::vector<BoardDetection> all(files.size());
+  std::vector<std::string> names;
+  for (const auto& file : files) names.push_back(file.filename().string());
+  names = base::names_apart(std::move(names), files);
   std::mutex mutex;
   std::size_t done = 0;
   base::report(progress, "detecting boards", 0, files.size());
   base::parallel_for(files.size(), threads, [&](std::size_t i) {
     all[i] = read_and_detect(files[i], board, options);
-    all[i].image = files[i].filename().string();
+    all[i].image = names[i];
     const std::lock_guard lock(mutex);
     base::report(progress, "detecting boards", ++done, files.size());
   });

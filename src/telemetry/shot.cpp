@@ -11,6 +11,7 @@
 #include <mutex>
 #include <pugixml.hpp>
 
+#include "furrow/base/file.h"
 #include "furrow/base/text.h"
 #include "reader_tools.h"
 
@@ -208,20 +209,14 @@ Result<Shot> read_shot(const std::filesystem::path& image) {
 }
 
 std::vector<Shot> with_unique_ids(std::vector<Shot> shots) {
-  const auto count_ids = [&] {
-    std::map<std::string, int> count;
-    for (const Shot& shot : shots) ++count[shot.shot_id];
-    return count;
-  };
-  const auto stems = count_ids();
-  for (Shot& shot : shots)
-    if (stems.at(shot.shot_id) > 1)
-      shot.shot_id = shot.image.parent_path().filename().string() + "/" + shot.shot_id;
-  const auto longer = count_ids();
-  std::map<std::string, int> seen;
-  for (Shot& shot : shots)
-    if (const std::string id = shot.shot_id; longer.at(id) > 1)
-      shot.shot_id = id + "#" + std::to_string(++seen[id]);
+  std::vector<std::string> names;
+  std::vector<std::filesystem::path> files;
+  for (const Shot& shot : shots) {
+    names.push_back(shot.shot_id);
+    files.push_back(shot.image);
+  }
+  names = base::names_apart(std::move(names), files);
+  for (std::size_t i = 0; i < shots.size(); ++i) shots[i].shot_id = names[i];
   return shots;
 }
 

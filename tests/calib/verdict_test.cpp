@@ -112,6 +112,68 @@ TEST(Verdict, StretchedBoardAndStretchedPicturesAreToldApart) {
   EXPECT_NE(criterion(verdict, "aspect").sentence.find("pictures themselves"), std::string::npos);
 }
 
+/// The first pictures of one session and the last of another, as one set.
+std::vector<target::BoardDetection> zoomed_after(std::size_t first, const Camera& before,
+                                                 const Camera& after) {
+  auto views = session(before, true_board(), good_session());
+  Session how = good_session();
+  how.seed = 9;
+  const auto others = session(after, true_board(), how);
+  for (std::size_t i = first; i < views.size(); ++i) {
+    views[i].corners_px = others[i].corners_px;
+  }
+  return views;
+}
+
+TEST(Verdict, ZoomInMidSetIsNamedWithItsPicture) {
+  Camera camera = true_camera();
+  camera.fy = camera.fx;
+  for (const double zoom : {1.03, 1.3}) {
+    Camera longer = camera;
+    longer.fx *= zoom;
+    longer.fy *= zoom;
+    const auto views = zoomed_after(18, camera, longer);
+    const auto found = calibrate(views, true_board());
+    ASSERT_TRUE(found.ok());
+    const Verdict verdict = judge(*found, views);
+    EXPECT_FALSE(verdict.trusted);
+    EXPECT_FALSE(criterion(verdict, "zoom").met) << zoom;
+    EXPECT_NEAR(criterion(verdict, "zoom").value, 100.0 * (zoom - 1.0), 1.5);
+    EXPECT_NE(verdict.summary.find("up to view_117.jpg"), std::string::npos) << verdict.summary;
+    EXPECT_NE(verdict.summary.find("from view_118.jpg on"), std::string::npos) << verdict.summary;
+  }
+  const auto views = session(camera, true_board(), good_session());
+  EXPECT_TRUE(criterion(judge(*calibrate(views, true_board()), views), "zoom").met);
+}
+
+TEST(Verdict, BentBoardIsNamedWhenItMovesTheFocalLength) {
+  Camera camera = true_camera();
+  camera.fy = camera.fx;
+  const auto bent = session(camera, true_board(), good_session(), {0.003, 0.002});
+  CalibrateOptions options;
+  auto found = calibrate(bent, true_board(), options);
+  ASSERT_TRUE(found.ok());
+  const Verdict verdict = judge(*found, bent, options);
+  EXPECT_FALSE(criterion(verdict, "bend").met) << criterion(verdict, "bend").sentence;
+  EXPECT_NE(verdict.summary.find("--warp"), std::string::npos) << verdict.summary;
+  EXPECT_NE(verdict.summary.find("a board bent by "), std::string::npos) << verdict.summary;
+  options.solve_warp = true;
+  found = calibrate(bent, true_board(), options);
+  EXPECT_TRUE(criterion(judge(*found, bent, options), "bend").met);
+  const auto flat = session(camera, true_board(), good_session());
+  EXPECT_TRUE(criterion(judge(*calibrate(flat, true_board()), flat), "bend").met);
+}
+
+TEST(Verdict, TurnedPicturesAreWarnedOf) {
+  auto views = session(true_camera(), true_board(), good_session());
+  EXPECT_TRUE(calibrate(views, true_board())->warnings.empty());
+  views[4].exif_orientation = 6;
+  const auto found = calibrate(views, true_board());
+  ASSERT_EQ(found->warnings.size(), 1U);
+  EXPECT_NE(found->warnings[0].find("1 of 30 pictures ask to be turned"), std::string::npos);
+  EXPECT_NE(found->warnings[0].find("view_104.jpg"), std::string::npos);
+}
+
 TEST(Verdict, WidenedCameraCarriesTheFactor) {
   const auto views = session(true_camera(), true_board(), Session{});
   const auto found = calibrate(views, true_board());

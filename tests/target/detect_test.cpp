@@ -201,6 +201,83 @@ TEST_F(DetectFiles, NamesCopiesStraysAndRubbish) {
   for (std::size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i].corners_px, again[i].corners_px);
 }
 
+TEST_F(DetectFiles, TellsPicturesOfOneNameApart) {
+  const auto files = photograph(kBoard, 0.5, {0.0, 0.3});
+  std::vector<std::filesystem::path> twins;
+  for (std::size_t i = 0; i < 2; ++i) {
+    twins.push_back(folder_ / (i == 0 ? "left" : "right") / "my board.png");
+    std::filesystem::create_directories(twins[i].parent_path());
+    std::filesystem::copy_file(files[i], twins[i], std::filesystem::copy_options::overwrite_existing);
+  }
+  const auto found = detect_boards(twins, kBoard);
+  EXPECT_EQ(found[0].image, "left/my board.png");
+  EXPECT_EQ(found[1].image, "right/my board.png");
+  EXPECT_TRUE(found[0].found && found[1].found);
+}
+
+/// A JPEG that asks to be turned: an EXIF segment of one directory with one entry (EXIF 2.3, section 4).
+std::string asking_for_a_turn(const std::string& jpeg, char orientation, bool big_endian) {
+  const std::string exif = big_endian
+                               ? std::string("MM\0\x2A\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0", 19) +
+                                     orientation + std::string("\0\0\0\0\0\0", 6)
+                               : std::string("II\x2A\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0", 18) +
+                                     orientation + std::string("\0\0\0\0\0\0\0", 7);
+  const std::string body = std::string("Exif\0\0", 6) + exif;
+  const std::string length{static_cast<char>((body.size() + 2) >> 8U), static_cast<char>(body.size() + 2)};
+  return jpeg.substr(0, 2) + "\xFF\xE1" + length + body + jpeg.substr(2);
+}
+
+// A camera belongs to the sensor's own pixels, however the picture wants to be shown.
+TEST_F(DetectFiles, TurnsNoPictureThatAsksForIt) {
+  const Image picture =
+      render_board(plain_camera(640, 480, 520.0), kBoard, facing(kBoard, 0.5, {0.1, 0.2, 0}), 2);
+  const std::string plain = image::encode_image(picture, ".jpg");
+  EXPECT_EQ(image::exif_orientation(plain), 1);
+  EXPECT_EQ(image::exif_orientation("\xFF\xD8\xFF\xE1"), 1);
+  std::vector<std::filesystem::path> files{folder_ / "plain.jpg", folder_ / "big.jpg",
+                                           folder_ / "little.jpg"};
+  ASSERT_TRUE(base::write_file(files[0], plain).ok());
+  ASSERT_TRUE(base::write_file(files[1], asking_for_a_turn(plain, '\6', true)).ok());
+  ASSERT_TRUE(base::write_file(files[2], asking_for_a_turn(plain, '\3', false)).ok());
+  const auto found = detect_boards(files, kBoard);
+  EXPECT_EQ(found[0].exif_orientation, 1);
+  EXPECT_EQ(found[1].exif_orientation, 6);
+  EXPECT_EQ(found[2].exif_orientation, 3);
+  for (const BoardDetection& one : found) {
+    ASSERT_TRUE(one.found) << one.image << ": " << one.reason;
+    EXPECT_EQ(one.width, 640);
+    EXPECT_EQ(one.corners_px, found[0].corners_px);
+  }
+}
+
+/// A grey PNM of 16 bits a value, `gain` times the picture's levels.
+std::string sixteen_bits(const Image& grey, int gain) {
+  std::string out = "P5\n" + std::to_string(grey.width) + " " + std::to_string(grey.height) + "\n65535\n";
+  for (const std::uint8_t level : grey.data) {
+    const int value = level * gain;
+    out += static_cast<char>(static_cast<unsigned char>(value >> 8));
+    out += static_cast<char>(static_cast<unsigned char>(value & 0xFF));
+  }
+  return out;
+}
+
+// Of 16 bits all are used, or, as sensors of 12 bits do it, only the lower ones.
+TEST_F(DetectFiles, ReadsGreyPicturesOfSixteenBits) {
+  const Image picture = image::to_grey(
+      render_board(plain_camera(640, 480, 520.0), kBoard, facing(kBoard, 0.5, {0.1, 0.2, 0}), 2));
+  ASSERT_EQ(picture.channels, 1);
+  std::vector<std::filesystem::path> files{folder_ / "8.png", folder_ / "16.pgm", folder_ / "12.pgm"};
+  ASSERT_TRUE(image::write_image(files[0], picture).ok());
+  ASSERT_TRUE(base::write_file(files[1], sixteen_bits(picture, 257)).ok());
+  ASSERT_TRUE(base::write_file(files[2], sixteen_bits(picture, 16)).ok());
+  const auto found = detect_boards(files, kBoard);
+  for (const BoardDetection& one : found) {
+    ASSERT_TRUE(one.found) << one.image << ": " << one.reason;
+    for (std::size_t c = 0; c < one.corners_px.size(); ++c)
+      EXPECT_LT((one.corners_px[c] - found[0].corners_px[c]).norm(), 0.02) << one.image;
+  }
+}
+
 TEST_F(DetectFiles, CountsCornersOfAnUnknownBoard) {
   const auto files = photograph(kBoard, 0.5, {0.0, 0.3, -0.4});
   const auto guesses = guess_boards(files);

@@ -51,6 +51,12 @@ class PartFile {
 Result<std::vector<std::filesystem::path>> expand_pattern(const std::string& pattern,
                                                           const std::filesystem::path& base);
 
+/// Names of files as results show them: `names`, with the folder's name in front of every one that occurs
+/// twice
+/// ("left/DJI_0001"), and, should that not be enough, a number behind ("left/DJI_0001#2").
+std::vector<std::string> names_apart(std::vector<std::string> names,
+                                     const std::vector<std::filesystem::path>& files);
+
 /// `text` with ${NAME} replaced by environment variables. Errors: variable_unset.
 Result<std::string> expand_environment(const std::string& text);
 

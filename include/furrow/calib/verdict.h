@@ -35,7 +35,8 @@ struct TrustLimits {
 
 /// One condition against its limit.
 struct Criterion {
-  std::string name;    ///< "focal_sigma", "rms", "tilt", "coverage", "views", "outliers", "halves", "aspect"
+  std::string name;    ///< "focal_sigma", "rms", "tilt", "coverage", "views", "outliers", "halves", "aspect",
+                       ///< "zoom", "bend"
   double value = 0.0;  ///< NaN when it could not be assessed
   double limit = 0.0;
   bool met = false;

@@ -29,13 +29,17 @@ struct Image {
 /// Black picture of that size. Sizes must be positive, channels 1 or 3.
 Image make_image(int width, int height, int channels);
 
-/// Reads a picture as RGB (grey becomes three equal channels, alpha is dropped, 16 bit is scaled to 8). The
-/// EXIF orientation is NOT applied: a camera model belongs to the sensor's own pixels. Errors: file_missing,
-/// picture_unreadable (not a picture, or cut short), picture_too_large (over 200 megapixels).
+/// Reads a picture as RGB (grey becomes three equal channels, alpha is dropped; 16 bit is scaled to 8, by
+/// the 10, 12, 14 or 16 bits that its values fill). The EXIF orientation is NOT applied: a camera model
+/// belongs to the sensor's own pixels. Errors: file_missing, picture_unreadable (not a picture, or cut
+/// short), picture_too_large (over 200 megapixels).
 Result<Image> read_image(const std::filesystem::path& file);
 
 /// The same from a file's bytes; `name` stands in messages.
 Result<Image> decode_image(const std::string& bytes, const std::string& name);
+
+/// How a JPEG asks to be turned when shown: EXIF orientation, 1 (not at all) to 8; 1 where it says nothing.
+int exif_orientation(const std::string& bytes);
 
 /// Encodes and writes atomically; the extension (.png, .jpg) chooses the format. `jpeg_quality` 1 to 100.
 Status write_image(const std::filesystem::path& file, const Image& picture, int jpeg_quality = 95);

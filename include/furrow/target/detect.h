@@ -12,7 +12,7 @@ namespace furrow::target {
 
 /// The corners of one picture's board, or why there are none.
 struct BoardDetection {
-  std::string image;  ///< name as given
+  std::string image;  ///< name; with its folder's where two files of a set have one name
   int width = 0, height = 0;
   bool found = false;
   std::vector<Eigen::Vector2d> corners_px;  ///< order of corners_in_board; empty when not found
@@ -25,6 +25,9 @@ struct BoardDetection {
   /// ...", and what is wrong with the picture: blurred, overexposed, too dark.
   std::string reason;
   std::string sha256;  ///< of the file's bytes, to name copies
+  /// 1 to 8: how the file asks to be turned when shown. Corners are in the pixels as stored, whatever it
+  /// says.
+  int exif_orientation = 1;
 };
 
 struct DetectOptions {
