@@ -9,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include "calib/pose.h"
 #include "calib/solve.h"
 #include "calib/start.h"
 #include "furrow/base/text.h"
@@ -189,6 +190,51 @@ void add_coefficient_prior(Round& round) {
   }
 }
 
+/// Squared residuals of a view in a pose, px^2; infinity where a corner has no pixel.
+double squared_of(const SharedModel& model, const Eigen::VectorXd& shared, const PoseVector& pose,
+                  const SolveView& view) {
+  Eigen::VectorXd residual(static_cast<Eigen::Index>(2 * view.seen.px.size()));
+  const bool seen =
+      evaluate_view(model, shared, pose, view.seen, view.weight, residual.data(), nullptr, nullptr);
+  return seen ? residual.squaredNorm() : std::numeric_limits<double>::infinity();
+}
+
+/// A small board that is hardly tilted looks nearly the same tilted the other way, and no solve crosses from
+/// one to the other: takes whichever of the two fits a view better with lens and board as they are. Whether
+/// any view changed.
+bool mirror_worse_poses(Round& round, const Eigen::VectorXd& full) {
+  SharedModel held = round.model;
+  held.full = full;
+  held.column.assign(held.column.size(), -1);
+  held.count = 0;
+  const Eigen::VectorXd nothing;
+  bool any = false;
+  for (SolveView& view : round.views) {
+    const PoseVector other = pose_vector(mirrored_pose(board_of(held, nothing), pose_of(view.pose)));
+    const double squared = squared_of(held, nothing, view.pose, view);
+    // Of a board that is seen well, the other way fits worse by far, and no refinement mends that.
+    constexpr double kHopeless = 100.0;
+    if (squared_of(held, nothing, other, view) > kHopeless * squared) continue;
+    const auto refined = refine_pose(held, other, view.seen);
+    // Where the pose comes back to where it was, rounding must not count as better.
+    constexpr double kBetter = 0.999;
+    if (!refined || !(squared_of(held, nothing, *refined, view) < kBetter * squared)) continue;
+    view.pose = *refined;
+    any = true;
+  }
+  return any;
+}
+
+/// Solves on as long as a view fits better tilted the other way.
+void solve_from_better_poses(const Job& job, Round& round) {
+  constexpr int kMostRounds = 5;
+  for (int again = 0; again < kMostRounds && round.solved.shared.allFinite(); ++again) {
+    for (std::size_t i = 0; i < round.views.size(); ++i) round.views[i].pose = round.solved.poses[i];
+    if (!mirror_worse_poses(round, full_of(round.model, round.solved.shared))) return;
+    round.solved = solve(round.model, round.solved.shared, round.views, {job.options.max_iterations});
+  }
+}
+
 /// A lens with a formula. First the focal length with two radial coefficients, then Brown-Conrady's, then
 /// everything: a rational lens started from nothing finds false minima.
 Status solve_formula(const Job& job, const Start& start, Round& round) {
@@ -207,6 +253,7 @@ Status solve_formula(const Job& job, const Start& start, Round& round) {
   round.model = make_shared_model(camera, round.model.board, Eigen::Vector2d::Zero(), free);
   add_coefficient_prior(round);
   round.solved = solve(round.model, shared_of(round.model), round.views, {job.options.max_iterations});
+  solve_from_better_poses(job, round);
   return Done{};
 }
 

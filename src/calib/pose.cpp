@@ -66,4 +66,19 @@ std::optional<PoseVector> refine_pose(const SharedModel& model, const PoseVector
   return pose;
 }
 
+Rigid3 mirrored_pose(const target::BoardSpec& board, const Rigid3& cam_from_board) {
+  const Eigen::Vector3d middle_in_board =
+      0.5 * target::corner_in_board(board, board.corners_x - 1, board.corners_y - 1);
+  const Eigen::Vector3d middle = cam_from_board * middle_in_board, way = middle.normalized(),
+                        normal = cam_from_board.rotation * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d axis = normal.cross(way);
+  const double sine = axis.norm();
+  Rigid3 out = cam_from_board;
+  if (!(sine > 0.0)) return out;
+  const double tilt = std::atan2(sine, normal.dot(way));
+  out.rotation = Eigen::AngleAxisd(2.0 * tilt, axis / sine) * cam_from_board.rotation;
+  out.translation = middle - out.rotation * middle_in_board;
+  return out;
+}
+
 }  // namespace furrow::calib

@@ -16,4 +16,8 @@ std::optional<Rigid3> pose_from_corners(const Camera& camera, const target::Boar
 std::optional<PoseVector> refine_pose(const SharedModel& model, const PoseVector& start,
                                       const SeenCorners& seen);
 
+/// The other pose in which a flat board looks nearly the same: its tilt against the line of sight to its
+/// middle reversed (Schweighofer and Pinz 2006).
+Rigid3 mirrored_pose(const target::BoardSpec& board, const Rigid3& cam_from_board);
+
 }  // namespace furrow::calib

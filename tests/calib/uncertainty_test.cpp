@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <limits>
 
 #include "calib/synthetic.h"
+#include "furrow/base/file.h"
+#include "furrow/stats/robust.h"
 
 namespace furrow::calib {
 namespace {
@@ -57,6 +61,108 @@ TEST(Uncertainty, ClaimedProjectionSigmaIsTheScatter) {
     }
   }
 }
+
+/// What one place's claims and samples add up to.
+struct Tally {
+  double claimed = 0.0, sampled = 0.0;
+  double ratio() const { return std::sqrt(claimed / sampled); }
+};
+
+/// Exact corners of a solved real set, so that its own geometry and lens are what is sampled.
+std::vector<target::BoardDetection> exact_like(const Calibration& solved,
+                                               std::vector<target::BoardDetection> detections) {
+  for (std::size_t i = 0; i < detections.size(); ++i) {
+    detections[i].found = solved.views[i].used;
+    if (!detections[i].found) continue;
+    const auto corners = target::corners_in_board(solved.board);
+    for (std::size_t c = 0; c < corners.size(); ++c)
+      detections[i].corners_px[c] =
+          *camera::project(solved.camera, solved.views[i].cam_from_board * corners[c]);
+  }
+  return detections;
+}
+
+struct HardSet {
+  const char* name;
+  const char* pattern;
+  int corners_x, corners_y;
+  camera::CameraModel model;
+};
+class UncertaintyReal : public ::testing::TestWithParam<HardSet> {};
+
+// Tello: small boards at one distance, 32 px of sigma over the picture. Theta: a fisheye beyond 180 degrees.
+TEST_P(UncertaintyReal, ClaimedSigmasAreTheScatterOverSeveralSeeds) {
+  const HardSet& set = GetParam();
+  const char* folder = std::getenv("FURROW_DATA");
+  const std::filesystem::path data =
+      folder != nullptr ? folder : std::filesystem::path(FURROW_SOURCE_DIR) / "../shared/data";
+  const auto files = base::expand_pattern(set.pattern, data);
+  if (!files.ok()) GTEST_SKIP() << "no pictures: " << files.error().message() << " (set FURROW_DATA)";
+  const target::BoardSpec board{set.name, set.corners_x, set.corners_y, 0.03, 1.0};
+  CalibrateOptions options;
+  options.model = set.model;
+  const auto detections = target::detect_boards(*files, board);
+  const auto solved = calibrate(detections, board, options);
+  ASSERT_TRUE(solved.ok()) << solved.error().message();
+  const auto exact = exact_like(*solved, detections);
+  const Camera& camera = solved->camera;
+  std::vector<double> depths_m;
+  for (const View& view : solved->views) {
+    if (view.used) depths_m.push_back(view.cam_from_board.translation.norm());
+  }
+  const double near_m = stats::median(depths_m);
+  Tally fx, cx, at[9], at_infinity[9];
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    base::Random random(seed);
+    for (int trial = 0; trial < 70; ++trial) {
+      auto noisy = exact;
+      for (auto& view : noisy) {
+        for (auto& px : view.corners_px)
+          px += solved->sigma0_px * Eigen::Vector2d(random.normal(), random.normal());
+      }
+      const auto found = calibrate(noisy, board, options);
+      ASSERT_TRUE(found.ok());
+      fx.sampled += std::pow(found->camera.fx - camera.fx, 2);
+      fx.claimed += found->camera.covariance(0, 0);
+      cx.sampled += std::pow(found->camera.cx - camera.cx, 2);
+      cx.claimed += found->camera.covariance(2, 2);
+      for (int place = 0; place < 9; ++place) {
+        // The Theta's picture is a circle: places within its middle.
+        const Eigen::Vector2d px((0.3 + 0.2 * (place % 3)) * camera.width,
+                                 (0.3 + 0.2 * (place / 3)) * camera.height);
+        const Eigen::Vector3d way = *camera::unproject_ray(camera, px);
+        Calibration used_only = *solved, sample = *found;
+        std::erase_if(used_only.views, [](const View& view) { return !view.used; });
+        std::erase_if(sample.views, [](const View& view) { return !view.used; });
+        at[place].sampled += (reprojected(used_only, sample, near_m * way, false) - px).squaredNorm();
+        at[place].claimed += projection_covariance(*found, px, near_m)->trace();
+        at_infinity[place].sampled += (reprojected(used_only, sample, way, true) - px).squaredNorm();
+        at_infinity[place].claimed +=
+            projection_covariance(*found, px, std::numeric_limits<double>::infinity())->trace();
+      }
+    }
+  }
+  EXPECT_NEAR(fx.ratio(), 1.0, 0.15);
+  EXPECT_NEAR(cx.ratio(), 1.0, 0.15);
+  for (int place = 0; place < 9; ++place) {
+    // At the boards' distance some of the Tello's solves hold a board tilted the other way, which no linear
+    // claim knows; the lens is not touched by that.
+    if (set.model == camera::CameraModel::fisheye) {
+      EXPECT_NEAR(at[place].ratio(), 1.0, 0.15) << place;
+    } else {
+      RecordProperty("near_" + std::to_string(place), std::to_string(at[place].ratio()));
+    }
+    EXPECT_NEAR(at_infinity[place].ratio(), 1.0, set.model == camera::CameraModel::fisheye ? 0.15 : 0.2)
+        << place;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Calib, UncertaintyReal,
+                         ::testing::Values(HardSet{"tello", "calib/tello-archdrone/images/*.jpg", 7, 7,
+                                                   camera::CameraModel::opencv5},
+                                           HardSet{"theta", "calib/boofcv-fisheye-theta/images/*.jpg", 6, 4,
+                                                   camera::CameraModel::fisheye}),
+                         [](const auto& set) { return std::string(set.param.name); });
 
 TEST(Uncertainty, GrowsAwayFromTheBoards) {
   const auto found = calibrate(session(true_camera(), true_board(), Session{}), true_board());
