@@ -346,7 +346,7 @@ void undo_half_spacing(const Strips& strips, FoundField& found) {
 double tilt_of(const Strips& strips, const FoundField& found) {
   constexpr double kTiltSigma = 0.15, kTiltWeight = 0.002;  // of the score: few rows tell no tilt
   constexpr double kLeastTilt = 0.02;                       // a degree
-  constexpr double kLeastGain = 0.13;                       // of the score
+  constexpr double kPromising = 0.03, kLeastGain = 0.13;    // of the score
   constexpr int kRounds = 2, kCalls = 150;                  // a simplex that has shrunk too early starts anew
   const Response response = respond(strips, found.field, found.tooth);
   const auto cost = [&](const std::array<double, 7>& x) {
@@ -360,10 +360,13 @@ double tilt_of(const Strips& strips, const FoundField& found) {
   std::copy(x.begin(), x.end(), start.begin());
   std::copy(step.begin(), step.end(), steps.begin());
   steps[6] = 0.06;
+  const double before = cost(start);
   auto tilted = start;
-  for (int round = 0; round < kRounds; ++round)
+  double gain = 0.0;
+  for (int round = 0; round < kRounds && gain >= round * kPromising * found.score; ++round) {
     tilted = minimise_simplex(cost, tilted, steps, kCalls, kScoreTolerance);
-  const double gain = cost(start) - cost(tilted);
+    gain = before - cost(tilted);
+  }
   return std::abs(tilted[6]) > kLeastTilt && gain > kLeastGain * found.score ? tilted[6] : 0.0;
 }
 
@@ -492,7 +495,7 @@ std::optional<FoundField> search_field(const GreenMap& map, const SearchPriors& 
   FoundField best = *std::max_element(
       found.begin(), found.end(), [](const FoundField& a, const FoundField& b) { return a.score < b.score; });
   undo_half_spacing(fine, best);
-  constexpr double kBeyondDoubt = 0.5;  // of the score: the field explains nearly all
+  constexpr double kBeyondDoubt = 0.4;  // of the score: the field explains nearly all
   best.tilt = tilt_of(coarse, best);
   if (best.score < kBeyondDoubt) best.explained = explained_part(coarse, best);
   settle(fine, priors, best);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <optional>
 
 #include "furrow/stats/robust.h"
@@ -119,12 +121,14 @@ std::optional<float> tail_mean(const Profile& profile, double x_from, double x_t
   for (std::size_t i = first; i <= last; ++i)
     if (!std::isnan(profile[i])) values.push_back(profile[i]);
   if (values.size() < 2 || 2 * values.size() < last - first + 1) return std::nullopt;
-  std::sort(values.begin(), values.end());
-  if (!lower) std::reverse(values.begin(), values.end());
-  values.resize(static_cast<std::size_t>(std::ceil(part * static_cast<double>(values.size()))));
-  float sum = 0.0F;
-  for (const float value : values) sum += value;
-  return sum / static_cast<float>(values.size());
+  const auto count = static_cast<std::ptrdiff_t>(std::ceil(part * static_cast<double>(values.size())));
+  const auto last_counted = values.begin() + count - 1;
+  if (lower) {
+    std::nth_element(values.begin(), last_counted, values.end());
+  } else {
+    std::nth_element(values.begin(), last_counted, values.end(), std::greater<>());
+  }
+  return std::accumulate(values.begin(), last_counted + 1, 0.0F) / static_cast<float>(count);
 }
 
 /// Light of the row's core and of the ground beside its edges.
