@@ -33,7 +33,9 @@ struct RowLine {
   int index = 0;  ///< from left to right; 0 is the followed row: nearest the picture's middle column at its
                   ///< middle row
   std::vector<RowSample> samples;  ///< from top to bottom, at most 10 px apart
-  /// Half the width between the edges where the row crosses the picture's middle row, or nothing.
+  /// Half the width between the edges where the row crosses the picture's middle row, or nothing: of the
+  /// outline as it is seen from there, which at grazing angles is that of the outermost leaves. The sigma is
+  /// the outline's.
   std::optional<Estimate> half_width_px;
   /// True when the row was seen itself; false when only the common field model carries it.
   bool seen = true;
