@@ -14,10 +14,10 @@ namespace {
 
 /// Places in the state: height above canopy, climb rate, each source's bias, the error of the stated row
 /// height, of the leaves' level under a downward sensor, what the plants of this stretch do to the pictures
-/// (in their own sigmas), and the canopy's level with its rate. Behind them each cause that the flight's
-/// pictures share, in its sigma.
+/// (in their own sigmas), the canopy's level with its rate, and its curvature. Behind them each cause that
+/// the flight's pictures share, in its sigma.
 constexpr int kHeight = 0, kClimb = 1, kBaroBias = 2, kGnssBias = 3, kDepthBias = 4, kRowHeight = 5,
-              kVpsCanopy = 6, kPlants = 7, kGround = 8, kGroundRate = 9, kFirstCause = 10;
+              kVpsCanopy = 6, kPlants = 7, kGround = 8, kGroundRate = 9, kCurvature = 10, kFirstCause = 11;
 using State = Eigen::VectorXd;
 using StateMatrix = Eigen::MatrixXd;
 
@@ -51,6 +51,7 @@ struct Labels {
 struct Setup {
   const FuseOptions& options;
   std::vector<std::string> causes;
+  double curvature_sigma = 0.0;  ///< of the ground, 1/m
   std::array<double, kHeightSources> noise_scale = {1.0, 1.0, 1.0, 1.0, 1.0};
 };
 
@@ -82,22 +83,29 @@ Reading vps_reading(double value, Seen seen, const Setup& setup) {
   return reading_on(kVpsCanopy, value, options.vps_sigma_m, setup);
 }
 
-/// What the flight's pictures share are states, so that many shots do not average it away; so is what the
-/// plants of a stretch do. What is left is the shot's own.
-Reading vision_reading(const HeightSample& s, const Setup& setup) {
+/// What the flight's shots share are states, so that many shots do not average it away. What is left is the
+/// shot's own.
+Reading shared_reading(int bias, const Estimate& height, const std::vector<SigmaShare>& shared,
+                       const Setup& setup) {
   constexpr double kLeastOwnShare = 0.1;
-  const Estimate& height = s.vision_above_canopy_m;
-  Reading reading = reading_on(-1, height.value, height.sigma, setup);
+  Reading reading = reading_on(bias, height.value, height.sigma, setup);
   double own2 = height.sigma * height.sigma;
-  for (const SigmaShare& cause : s.vision_shared) {
+  for (const SigmaShare& cause : shared) {
     const auto at = std::find(setup.causes.begin(), setup.causes.end(), cause.cause) - setup.causes.begin();
     reading.row[kFirstCause + at] = cause.sigma_m;
     own2 -= cause.sigma_m * cause.sigma_m;
   }
-  const double own = std::max(std::sqrt(std::max(0.0, own2)), kLeastOwnShare * height.sigma);
+  reading.sigma = std::max(std::sqrt(std::max(0.0, own2)), kLeastOwnShare * height.sigma);
+  return reading;
+}
+
+/// Part of a picture's own error is that of the plants of a stretch, and lasts (eq. 11.6).
+Reading vision_reading(const HeightSample& s, const Setup& setup) {
+  Reading reading = shared_reading(-1, s.vision_above_canopy_m, s.vision_shared, setup);
   const double lasting = setup.options.shots_per_stretch > 1.0 ? kLastingShare : 0.0;
-  reading.row[kPlants] = own * std::sqrt(lasting);
-  reading.sigma = own * std::sqrt(1.0 - lasting);
+  reading.row[kCurvature] = 0.5 * s.vision_reach_m * s.vision_reach_m;
+  reading.row[kPlants] = reading.sigma * std::sqrt(lasting);
+  reading.sigma *= std::sqrt(1.0 - lasting);
   return reading;
 }
 
@@ -116,7 +124,7 @@ std::optional<Reading> claimed_reading(const HeightSample& s, HeightSource sourc
       return vision_reading(s, setup);
     case HeightSource::depth:
       if (!s.depth_above_canopy_m.usable()) return std::nullopt;
-      return reading_on(kDepthBias, s.depth_above_canopy_m.value, s.depth_above_canopy_m.sigma, setup);
+      return shared_reading(kDepthBias, s.depth_above_canopy_m, s.depth_shared, setup);
     case HeightSource::baro:
       return plain(kBaroBias, s.baro_height_m, options.baro_sigma_m);
     case HeightSource::gnss:
@@ -142,15 +150,18 @@ bool takes_part(const Labels& labels, HeightSource source) {
   return !labels.left_out[static_cast<std::size_t>(place(source))];
 }
 
-void update(Belief& belief, const Reading& reading) {
+/// Returns what the reading adds to -2 ln likelihood, but for a constant.
+double update(Belief& belief, const Reading& reading) {
   const State gain_numerator = belief.covariance * reading.row;
   const double variance = reading.row.dot(gain_numerator) + reading.sigma * reading.sigma;
   const State gain = gain_numerator / variance;
-  belief.mean += gain * (reading.value - reading.row.dot(belief.mean));
+  const double surprise = reading.value - reading.row.dot(belief.mean);
+  belief.mean += gain * surprise;
   // Joseph's form keeps the covariance positive over long flights.
   const StateMatrix rest = StateMatrix::Identity(gain.size(), gain.size()) - gain * reading.row.transpose();
   belief.covariance =
       rest * belief.covariance * rest.transpose() + reading.sigma * reading.sigma * gain * gain.transpose();
+  return std::log(variance) + surprise * surprise / variance;
 }
 
 /// Transition and noise over `dt` (eq. 11.1): white acceleration, biases that walk.
@@ -172,6 +183,8 @@ Step step_of(double dt, const Setup& setup) {
   const double kept = kept_of_plants(options);
   step.transition(kPlants, kPlants) = kept;
   step.noise(kPlants, kPlants) = 1.0 - kept * kept;
+  step.transition(kCurvature, kCurvature) = kept;
+  step.noise(kCurvature, kCurvature) = (1.0 - kept * kept) * setup.curvature_sigma * setup.curvature_sigma;
   step.transition(kHeight, kClimb) = dt;
   const double q = options.acceleration_sigma * options.acceleration_sigma;
   step.noise(kHeight, kHeight) = q * dt * dt * dt / 3.0;
@@ -194,41 +207,71 @@ Belief start_belief(const Setup& setup) {
   belief.covariance(kDepthBias, kDepthBias) = options.depth_bias_sigma_m * options.depth_bias_sigma_m;
   belief.covariance(kRowHeight, kRowHeight) =
       options.row_height_m.usable() ? options.row_height_m.sigma * options.row_height_m.sigma : 0.0;
+  belief.covariance(kCurvature, kCurvature) = setup.curvature_sigma * setup.curvature_sigma;
   belief.covariance(kVpsCanopy, kVpsCanopy) = options.vps_canopy_sigma_m * options.vps_canopy_sigma_m;
   belief.covariance(kGround, kGround) = 0.0;  // a constant is in the biases already
   belief.covariance(kGroundRate, kGroundRate) = options.ground_rate_sigma * options.ground_rate_sigma;
   return belief;
 }
 
-/// Forward Kalman filter, backward Rauch-Tung-Striebel pass (eq. 11.2).
-std::vector<Belief> smooth(const std::vector<HeightSample>& samples, const std::vector<Labels>& labels,
-                           const Setup& setup) {
+/// What the readings up to each sample say of it, with what was expected before its own.
+struct Filtered {
+  std::vector<Belief> predicted, filtered;
+  double minus_2_log_likelihood = 0.0;
+};
+
+/// Forward Kalman filter (eq. 11.2).
+Filtered filter(const std::vector<HeightSample>& samples, const std::vector<Labels>& labels,
+                const Setup& setup) {
   const std::size_t n = samples.size();
-  std::vector<Belief> predicted(n), filtered(n);
+  Filtered result{std::vector<Belief>(n), std::vector<Belief>(n), 0.0};
   for (std::size_t i = 0; i < n; ++i) {
-    predicted[i] = i == 0 ? start_belief(setup) : filtered[i - 1];
+    Belief& predicted = result.predicted[i];
+    predicted = i == 0 ? start_belief(setup) : result.filtered[i - 1];
     if (i > 0) {
       const Step step = step_of(samples[i].t_s - samples[i - 1].t_s, setup);
-      predicted[i].mean = step.transition * predicted[i].mean;
-      predicted[i].covariance =
-          step.transition * predicted[i].covariance * step.transition.transpose() + step.noise;
+      predicted.mean = step.transition * predicted.mean;
+      predicted.covariance =
+          step.transition * predicted.covariance * step.transition.transpose() + step.noise;
     }
-    filtered[i] = predicted[i];
+    result.filtered[i] = predicted;
     for (const HeightSource source : kAllHeightSources) {
       const auto reading = reading_of(samples[i], source, labels[i].vps, setup);
-      if (reading && takes_part(labels[i], source)) update(filtered[i], *reading);
+      if (reading && takes_part(labels[i], source))
+        result.minus_2_log_likelihood += update(result.filtered[i], *reading);
     }
   }
-  std::vector<Belief> smoothed = filtered;
-  for (std::size_t i = n - 1; i-- > 0;) {
+  return result;
+}
+
+/// Forward, then backward by Rauch, Tung and Striebel (eq. 11.2).
+std::vector<Belief> smooth(const std::vector<HeightSample>& samples, const std::vector<Labels>& labels,
+                           const Setup& setup) {
+  const Filtered forward = filter(samples, labels, setup);
+  std::vector<Belief> smoothed = forward.filtered;
+  for (std::size_t i = samples.size() - 1; i-- > 0;) {
     const Step step = step_of(samples[i + 1].t_s - samples[i].t_s, setup);
+    const Belief& next = forward.predicted[i + 1];
     const StateMatrix back =
-        predicted[i + 1].covariance.ldlt().solve(step.transition * filtered[i].covariance).transpose();
-    smoothed[i].mean += back * (smoothed[i + 1].mean - predicted[i + 1].mean);
-    smoothed[i].covariance +=
-        back * (smoothed[i + 1].covariance - predicted[i + 1].covariance) * back.transpose();
+        next.covariance.ldlt().solve(step.transition * forward.filtered[i].covariance).transpose();
+    smoothed[i].mean += back * (smoothed[i + 1].mean - next.mean);
+    smoothed[i].covariance += back * (smoothed[i + 1].covariance - next.covariance) * back.transpose();
   }
   return smoothed;
+}
+
+/// The curvature of the ground under which the flight's readings are likeliest; 0 unless they say so by more
+/// than a free number gains by itself (Akaike: 2 in -2 ln likelihood) (eq. 11.7).
+double likeliest_curvature(const std::vector<HeightSample>& samples, const std::vector<Labels>& labels,
+                           Setup setup) {
+  setup.curvature_sigma = 0.0;
+  double best = 0.0, least = filter(samples, labels, setup).minus_2_log_likelihood - 2.0;
+  for (const double curvature : {0.0005, 0.001, 0.002, 0.004, 0.008, 0.016}) {
+    setup.curvature_sigma = curvature;
+    const double value = filter(samples, labels, setup).minus_2_log_likelihood;
+    if (value < least) least = value, best = curvature;
+  }
+  return best;
 }
 
 /// How many sigmas a reading is from what the rest says. A reading that took part is first taken back out of
@@ -318,10 +361,14 @@ Status check_input(const std::vector<HeightSample>& samples, const Setup& setup)
 /// Every cause that some picture shares, once.
 std::vector<std::string> causes_of(const std::vector<HeightSample>& samples) {
   std::vector<std::string> causes;
-  for (const HeightSample& sample : samples) {
-    for (const SigmaShare& cause : sample.vision_shared) {
-      if (std::find(causes.begin(), causes.end(), cause.cause) == causes.end()) causes.push_back(cause.cause);
+  const auto add = [&causes](const std::vector<SigmaShare>& shares) {
+    for (const SigmaShare& share : shares) {
+      if (std::find(causes.begin(), causes.end(), share.cause) == causes.end()) causes.push_back(share.cause);
     }
+  };
+  for (const HeightSample& sample : samples) {
+    add(sample.vision_shared);
+    add(sample.depth_shared);
   }
   return causes;
 }
@@ -380,6 +427,22 @@ bool same(const std::array<double, kHeightSources>& a, const std::array<double, 
                     [](double x, double y) { return std::abs(x - y) < kAlike * y; });
 }
 
+/// Smooths until labels and noise stay; counts the passes.
+void settle(const std::vector<HeightSample>& samples, std::vector<Labels>& labels, Setup& setup,
+            int& passes) {
+  for (int pass = 0; pass < kMaxPasses; ++pass) {
+    ++passes;
+    const std::vector<Belief> beliefs = smooth(samples, labels, setup);
+    std::vector<Labels> next;
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      next.push_back(label(samples[i], beliefs[i], labels[i], setup));
+    const auto noise = seen_noises(samples, beliefs, labels, next, setup);
+    if (same(next, labels) && same(noise, setup.noise_scale)) break;
+    labels = std::move(next);
+    setup.noise_scale = noise;
+  }
+}
+
 FusedHeight describe(const HeightSample& sample, const Belief& belief, const Labels& labels,
                      const Setup& setup, bool surface_open) {
   const FuseOptions& options = setup.options;
@@ -436,22 +499,20 @@ std::string source_name(HeightSource source) {
 }
 
 Result<FusedFlight> fuse(const std::vector<HeightSample>& samples, const FuseOptions& options) {
-  Setup setup{options, causes_of(samples)};
+  Setup setup{options, causes_of(samples), 0.0};
   FURROW_DO(check_input(samples, setup));
   std::vector<Labels> labels = first_labels(samples, options);
   FusedFlight flight;
-  std::vector<Belief> beliefs;
-  for (flight.passes = 1; flight.passes <= kMaxPasses; ++flight.passes) {
-    beliefs = smooth(samples, labels, setup);
-    std::vector<Labels> next;
-    for (std::size_t i = 0; i < samples.size(); ++i)
-      next.push_back(label(samples[i], beliefs[i], labels[i], setup));
-    const auto noise = seen_noises(samples, beliefs, labels, next, setup);
-    if (same(next, labels) && same(noise, setup.noise_scale)) break;
-    labels = std::move(next);
-    setup.noise_scale = noise;
+  settle(samples, labels, setup, flight.passes);
+  setup.curvature_sigma = likeliest_curvature(samples, labels, setup);
+  if (setup.curvature_sigma > 0.0) {
+    // What was taken for noise of the others may have been the ground.
+    setup.noise_scale.fill(1.0);
+    labels = first_labels(samples, options);
+    settle(samples, labels, setup, flight.passes);
   }
-  beliefs = smooth(samples, labels, setup);
+  flight.ground_curvature_per_m = setup.curvature_sigma;
+  const std::vector<Belief> beliefs = smooth(samples, labels, setup);
   flight.noise_scale = setup.noise_scale;
   flight.surface_open = !any_absolute(samples, setup) && on_one_level(labels);
   for (std::size_t i = 0; i < samples.size(); ++i) {

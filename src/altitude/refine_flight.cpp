@@ -103,12 +103,17 @@ std::vector<ParameterPrior> shared_priors(const Farm& farm, const std::vector<Sh
     if (shot.attitude.pitch_rad.usable()) pitch.push_back(shot.attitude.pitch_rad.sigma);
     if (shot.attitude.roll_rad.usable()) roll.push_back(shot.attitude.roll_rad.sigma);
   }
-  const auto typical = [](const std::vector<double>& sigmas) {
-    return Estimate{0.0, sigmas.empty() ? kHeldSigma : std::max(kHeldSigma, stats::median(sigmas)), 0};
+  // A slope that is no quantity of its own is part of the bias: the gimbal knows gravity, the picture the
+  // rows.
+  const double slope = options.shot.terrain_slope_sigma_rad;
+  const auto typical = [](const std::vector<double>& sigmas, double more) {
+    const double sigma = sigmas.empty() ? 0.0 : std::hypot(stats::median(sigmas), more);
+    return Estimate{0.0, std::max(kHeldSigma, sigma), 0};
   };
   const auto common = [](double sigma) { return Estimate{0.0, std::max(kHeldSigma, sigma), 0}; };
-  priors.push_back({"pitch_bias", kFarmSize + kPitchBias, typical(pitch), !pitch.empty()});
-  priors.push_back({"roll_bias", kFarmSize + kRollBias, typical(roll), !roll.empty()});
+  priors.push_back({"pitch_bias", kFarmSize + kPitchBias,
+                    typical(pitch, options.mean_slope_sigma_rad > 0.0 ? 0.0 : slope), !pitch.empty()});
+  priors.push_back({"roll_bias", kFarmSize + kRollBias, typical(roll, slope), !roll.empty()});
   priors.push_back({"terrain_slope", kFarmSize + kTerrainSlope, common(options.mean_slope_sigma_rad), true});
   priors.push_back({"focal_factor", kFarmSize + kFocal, common(options.focal_sigma), true});
   return priors;

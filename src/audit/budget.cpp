@@ -79,6 +79,7 @@ std::string cause_words(const std::string& cause) {
       {"spacing", "the row spacing as the farm knows it"},
       {"half_width", "the half width of the rows as the farm knows it"},
       {"foliage", "the unknown depth and shape of the foliage"},
+      {"ground", "the ground's waves between the rows ahead and those below"},
       {"outline", "how far the canopy's outline stands over the top that the farm names"},
       {"pitch", "the gimbal's pitch"},
       {"roll", "the gimbal's roll"},

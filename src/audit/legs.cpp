@@ -23,6 +23,8 @@ std::vector<Method> methods_over(double row_height_m) {
   };
   return {{"thesis, automatic half width", lifted(&ShotRecord::above_canopy_thesis_m)},
           {"thesis, half width by hand", lifted(&ShotRecord::above_canopy_thesis_hand_m)},
+          {"thesis, depth map's middle", lifted(&ShotRecord::above_canopy_depth_thesis_m)},
+          {"depth map, levels", lifted(&ShotRecord::above_canopy_depth_m)},
           {"row spacing, closed form", lifted(&ShotRecord::above_canopy_spacing_m)},
           {"refined, each shot alone", lifted(&ShotRecord::above_canopy_shot_m)},
           {"refined, whole flight", lifted(&ShotRecord::above_canopy_refined_m)},

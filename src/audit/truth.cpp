@@ -78,6 +78,8 @@ std::vector<TruthComparison> compare_with_truth(const std::vector<ShotRecord>& r
   const std::vector<std::pair<std::string, std::function<Estimate(const ShotRecord&)>>> methods = {
       {"thesis formula", field(&ShotRecord::above_canopy_thesis_m)},
       {"thesis formula, width by hand", field(&ShotRecord::above_canopy_thesis_hand_m)},
+      {"thesis formula, depth map", field(&ShotRecord::above_canopy_depth_thesis_m)},
+      {"depth map, levels", field(&ShotRecord::above_canopy_depth_m)},
       {"row spacing, closed form", field(&ShotRecord::above_canopy_spacing_m)},
       {"refined, each shot alone", field(&ShotRecord::above_canopy_shot_m)},
       {"refined, whole flight", of_flight},

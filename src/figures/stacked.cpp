@@ -27,7 +27,7 @@ const std::vector<Layer>& layers() {
                                              {"spacing", kVermillion, {"spacing"}},
                                              {"half width", kOrange, {"half_width"}},
                                              {"foliage and outline", kSkyBlue, {"foliage", "outline"}},
-                                             {"pitch and slope", kPurple, {"pitch", "terrain"}},
+                                             {"pitch and slope", kPurple, {"pitch", "terrain", "ground"}},
                                              {"roll", kMidGrey, {"roll"}},
                                              {"camera", kBlack, {"focal", "distortion"}},
                                              {"other shots", kLightGrey, {"other"}}};

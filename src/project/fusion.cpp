@@ -30,7 +30,7 @@ std::vector<double> gnss_heights(const sync::Located& located) {
 
 /// Samples in order of time. Shots of one clock step are set apart by a millisecond.
 void add_samples(const sync::Located& located, const std::vector<VisionHeight>& vision,
-                 audit::FlightFusion& fusion) {
+                 const std::vector<VisionHeight>& depth, audit::FlightFusion& fusion) {
   constexpr double kApart_s = 1e-3;
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < located.poses.size(); ++i) {
@@ -44,6 +44,11 @@ void add_samples(const sync::Located& located, const std::vector<VisionHeight>& 
     if (!fusion.samples.empty()) sample.t_s = std::max(sample.t_s, fusion.samples.back().t_s + kApart_s);
     sample.vision_above_canopy_m = vision[i].above_canopy_m;
     sample.vision_shared = vision[i].shared;
+    sample.vision_reach_m = vision[i].reach_m;
+    if (i < depth.size()) {
+      sample.depth_above_canopy_m = depth[i].above_canopy_m;
+      sample.depth_shared = depth[i].shared;
+    }
     sample.baro_height_m = located.poses[i].state.height_takeoff_m;
     sample.vps_height_m = located.poses[i].state.height_vps_m;
     sample.gnss_height_m = gnss[i];
@@ -54,8 +59,14 @@ void add_samples(const sync::Located& located, const std::vector<VisionHeight>& 
 
 }  // namespace
 
+double reach_of(const altitude::RefinedShot& shot) {
+  constexpr double kMostCotangent = 6.0;
+  const double cotangent = 1.0 / std::tan(-shot.pitch_rad.value);
+  return shot.height_above_canopy_m.value * std::clamp(cotangent, 0.0, kMostCotangent);
+}
+
 VisionHeight vision_of_shot(const altitude::RefinedShot& shot) {
-  VisionHeight height{shot.height_above_canopy_m, {}};
+  VisionHeight height{shot.height_above_canopy_m, {}, reach_of(shot)};
   for (const altitude::SigmaShare& share : shot.height_budget) {
     if (share.cause != "picture" && share.cause != "plants") height.shared.push_back(share);
   }
@@ -63,9 +74,10 @@ VisionHeight vision_of_shot(const altitude::RefinedShot& shot) {
 }
 
 Result<audit::FlightFusion> fuse_flight(const sync::Located& located, const std::vector<VisionHeight>& vision,
-                                        const altitude::FieldKnowledge& field) {
+                                        const altitude::FieldKnowledge& field,
+                                        const std::vector<VisionHeight>& depth) {
   audit::FlightFusion fusion;
-  add_samples(located, vision, fusion);
+  add_samples(located, vision, depth, fusion);
   if (fusion.samples.empty()) {
     return Error{"no_times", "fusion", "no shot has a time", "a log, or pictures that state their time", ""};
   }

@@ -150,6 +150,33 @@ Status read_rows(const Value& value, const std::string& file, const fs::path& fo
   return Done{};
 }
 
+Status read_depth(const Value& value, const std::string& file, const fs::path& folder, Project& project) {
+  Fields fields(value, file, "depth");
+  ProjectDepth depth;
+  std::vector<std::string> maps;
+  std::string values = "disparity";
+  double unit_per_count = kNotGiven;
+  fields.required("maps", maps);
+  fields.optional("values", values);
+  fields.optional("unit_per_count", unit_per_count);
+  fields.optional("scale_sigma", depth.scale_sigma);
+  fields.require(values == "disparity" || values == "metres", "values", "'" + values + "'",
+                 "disparity or metres");
+  fields.require(std::isnan(unit_per_count) || unit_per_count > 0.0, "unit_per_count",
+                 base::format_double(unit_per_count), "a number above 0");
+  fields.require(depth.scale_sigma > 0.0, "scale_sigma", base::format_double(depth.scale_sigma),
+                 "a share above 0");
+  FURROW_DO(fields.finish());
+  depth.disparity = values == "disparity";
+  // Disparities fill the 16 bits; metres come in KITTI's steps.
+  constexpr double kFull = 65535.0, kKitti = 256.0;
+  depth.unit_per_count =
+      !std::isnan(unit_per_count) ? unit_per_count : 1.0 / (depth.disparity ? kFull : kKitti);
+  FURROW_TRY(depth.maps, resolve_images(maps, folder));
+  project.depth = std::move(depth);
+  return Done{};
+}
+
 }  // namespace
 
 Result<Project> read_project(const fs::path& file) {
@@ -164,6 +191,7 @@ Result<Project> read_project(const fs::path& file) {
   const Value* shots = fields.member("shots");
   const Value* telemetry = fields.member("telemetry");
   const Value* rows = fields.member("rows");
+  const Value* depth = fields.member("depth");
   FURROW_DO(fields.finish());
   for (const auto& [key, found] : {std::pair{"camera", camera}, std::pair{"shots", shots}}) {
     if (found == nullptr) return Error{"missing_key", name, std::string("'") + key + "' is missing", "", ""};
@@ -176,6 +204,7 @@ Result<Project> read_project(const fs::path& file) {
   FURROW_TRY(project.images, resolve_images(patterns, folder));
   if (telemetry != nullptr) FURROW_DO(read_telemetry(*telemetry, name, folder, project));
   if (rows != nullptr) FURROW_DO(read_rows(*rows, name, folder, project));
+  if (depth != nullptr) FURROW_DO(read_depth(*depth, name, folder, project));
   return project;
 }
 

@@ -247,7 +247,8 @@ std::vector<VisionHeight> vision_heights(const std::vector<ShotResult>& results,
   for (std::size_t i = 0; i < results.size(); ++i) {
     heights.push_back(results[i].vision);
     if (flight.ok() && flight->shots[i].usable)
-      heights.back() = {flight->shots[i].height_above_canopy_m, flight->shots[i].height_shared};
+      heights.back() = {flight->shots[i].height_above_canopy_m, flight->shots[i].height_shared,
+                        reach_of(flight->shots[i])};
   }
   return heights;
 }
@@ -278,7 +279,10 @@ Result<RunTables> measure_flight(const Project& project, const JobOptions& job) 
   tables.results = process_shots(tables.shots, tables.located, tables.camera.camera, project, job);
   add_hand_heights(tables.results, hand_widths, project);
   tables.flight = refine_flight(tables.results, project, LogSteps::used, job);
-  tables.fusion = fuse_flight(tables.located, vision_heights(tables.results, project, job), project.field);
+  std::vector<VisionHeight> depth;
+  for (const ShotResult& result : tables.results) depth.push_back(result.depth);
+  tables.fusion =
+      fuse_flight(tables.located, vision_heights(tables.results, project, job), project.field, depth);
   return tables;
 }
 
@@ -315,6 +319,25 @@ std::vector<audit::ShotBudget> budgets_of(const RunTables& tables) {
     }
   }
   return budgets;
+}
+
+/// Over ground that curves, as the fusion found, a picture's plane lies off the canopy straight below
+/// (docs/formulation/altitude.md, eq. 11.7): the sigmas of the rows' heights grow by that.
+void widen_by_ground(std::vector<audit::ShotRecord>& records, std::vector<audit::ShotBudget>& budgets,
+                     const audit::FlightFusion& fusion) {
+  if (!(fusion.fused.ground_curvature_per_m > 0.0)) return;
+  for (std::size_t i = 0; i < fusion.shots.size(); ++i) {
+    const double reach = fusion.samples[i].vision_reach_m;
+    const double by_ground = 0.5 * fusion.fused.ground_curvature_per_m * reach * reach;
+    audit::ShotRecord& record = records[fusion.shots[i]];
+    for (Estimate* height : {&record.above_canopy_refined_m, &record.above_ground_refined_m,
+                             &record.above_canopy_shot_m, &record.above_canopy_spacing_m}) {
+      height->sigma = std::hypot(height->sigma, by_ground);
+    }
+    audit::ShotBudget& budget = budgets[fusion.shots[i]];
+    budget.above_canopy_m.sigma = std::hypot(budget.above_canopy_m.sigma, by_ground);
+    budget.shares.push_back({"ground", by_ground});
+  }
 }
 
 void add_fused(std::vector<audit::ShotRecord>& records, const Result<audit::FlightFusion>& fusion) {
@@ -376,16 +399,22 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
       outcome.records.back() = denied(alone, tables.flight->reason[i]);
     }
   }
+  for (const ShotResult& result : tables.results) {
+    if (!result.depth_reason.empty())
+      outcome.warnings.push_back(result.record.shot_id +
+                                 ": no height from its depth map: " + result.depth_reason);
+  }
   if (!tables.flight.ok()) {
     outcome.warnings.push_back("Each shot was refined alone, the flight not as a whole: " +
                                tables.flight.error().message());
   }
+  std::vector<audit::ShotBudget> budgets = budgets_of(tables);
+  if (tables.fusion.ok()) widen_by_ground(outcome.records, budgets, *tables.fusion);
   add_fused(outcome.records, tables.fusion);
   outcome.findings = audit::assess_shots(outcome.records, project.field.row_height_m.value);
   outcome.findings.push_back(assess_focal(tables));
   if (true_heights) FURROW_DO(audit::join_truth(outcome.records, *true_heights));
   if (tables.fusion.ok()) outcome.fusion_truth = audit::compare_fusion(outcome.records, *tables.fusion);
-  const std::vector<audit::ShotBudget> budgets = budgets_of(tables);
   FURROW_DO(write_tables(out, tables, outcome.records, budgets));
 
   base::report(job.progress, "drawing", 0, 1);

@@ -5,6 +5,8 @@
 
 #include "furrow/altitude/thesis.h"
 #include "furrow/altitude/unit_plane.h"
+#include "furrow/depth/surfaces.h"
+#include "furrow/depth/thesis.h"
 #include "furrow/geom/angles.h"
 #include "furrow/geom/attitude.h"
 #include "furrow/image/image.h"
@@ -98,6 +100,44 @@ void measure(ShotResult& result, const Camera& camera, const Project& project) {
   }
 }
 
+/// The shot's own map: the one with its picture's stem.
+std::optional<std::filesystem::path> map_of(const telemetry::Shot& shot, const ProjectDepth& depth) {
+  for (const std::filesystem::path& map : depth.maps) {
+    if (map.stem() == shot.image.stem()) return map;
+  }
+  return std::nullopt;
+}
+
+/// The thesis's height and that of all of the map. A map that says nothing leaves both open.
+void measure_depth(ShotResult& result, const telemetry::Shot& shot, const Project& project) {
+  const auto file = map_of(shot, *project.depth);
+  if (!file || !result.prior.pitch_rad.usable()) return;
+  auto map = depth::read_depth_map(*file, project.depth->unit_per_count);
+  if (!map.ok()) {
+    result.depth_reason = map.error().message();
+    return;
+  }
+  if (project.depth->disparity) *map = depth::thesis_metres(*map);
+  if (const auto slant = depth::thesis_slant_distance_m(*map); slant.ok()) {
+    const auto thesis = altitude::thesis_height_above_canopy_m(*slant, result.prior.pitch_rad.value);
+    if (thesis.ok()) {
+      result.record.above_canopy_depth_thesis_m.value = *thesis;
+      result.record.above_canopy_depth_thesis_m.observations = 1;
+    }
+  }
+  if (project.depth->disparity) *map = depth::for_focal_length(std::move(*map), *result.camera);
+  const auto height = depth::height_from_map({std::move(*map), *result.camera, result.prior.pitch_rad,
+                                              result.prior.roll_rad, project.field.row_height_m},
+                                             {.scale_sigma = project.depth->scale_sigma});
+  if (!height.ok()) {
+    result.depth_reason = height.error().message();
+    return;
+  }
+  result.record.above_canopy_depth_m = height->above_canopy_m;
+  result.depth = {height->above_canopy_m,
+                  {{"depth_scale", height->by_scale_m}, {"depth_angles", height->by_angles_m}}};
+}
+
 }  // namespace
 
 Estimate thesis_height(double half_width_px, const Camera& camera, const altitude::FieldKnowledge& field,
@@ -162,6 +202,7 @@ ShotResult process_shot(const telemetry::Shot& shot, const sync::ShotPose& pose,
   result.elapsed_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   measure(result, *result.camera, project);
+  if (project.depth) measure_depth(result, shot, project);
   return result;
 }
 

@@ -20,6 +20,8 @@ struct ShotResult {
   rows::RowLines lines;
   altitude::AttitudePrior prior;
   VisionHeight vision;                       ///< of this shot alone
+  VisionHeight depth;                        ///< of its depth map
+  std::string depth_reason;                  ///< why a map that is there gives no height
   std::vector<altitude::SigmaShare> budget;  ///< of the height of this shot alone
   std::optional<Camera> camera;  ///< at this picture's size; nothing when it could not be carried there
   double elapsed_ms = 0.0;       ///< of the row detection

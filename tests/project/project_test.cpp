@@ -149,6 +149,9 @@ TEST_F(ProjectTest, SchemaNamesTheSameKeys) {
       {"telemetry", top->find("telemetry")->find("properties"),
        "name: x\ncamera: { model: camera.yaml }\nshots: { " + images +
            " }\ntelemetry: { qqqqqqqqqqqqqq: 1 }\n"},
+      {"depth", top->find("depth")->find("properties"),
+       "name: x\ncamera: { model: camera.yaml }\nshots: { " + images +
+           " }\ndepth: { maps: frames/*.jpg, qqqqqqqqqqqqqq: 1 }\n"},
       {"rows", top->find("rows")->find("properties"),
        "name: x\ncamera: { model: camera.yaml }\nshots: { " + images + " }\nrows: { qqqqqqqqqqqqqq: 1 }\n"}};
   for (const auto& [section, properties, yaml] : sections) {
@@ -164,6 +167,22 @@ TEST_F(ProjectTest, SchemaNamesTheSameKeys) {
     for (const auto& [key, property] : *properties->object()) described.insert(key);
     EXPECT_EQ(accepted, described) << section;
   }
+}
+
+TEST_F(ProjectTest, DepthMapsHaveAUnit) {
+  const std::string start = "name: x\ncamera: { model: camera.yaml }\nshots: { images: frames/*.jpg }\n";
+  EXPECT_FALSE(read(start)->depth);
+  const auto disparity = read(start + "depth: { maps: frames/*.jpg }\n");
+  ASSERT_TRUE(disparity.ok()) << disparity.error().message();
+  EXPECT_TRUE(disparity->depth->disparity);
+  EXPECT_NEAR(disparity->depth->unit_per_count, 1.0 / 65535.0, 1e-12);
+  EXPECT_EQ(disparity->depth->maps.size(), disparity->images.size());
+  const auto metres = read(start + "depth: { maps: frames/*.jpg, values: metres, scale_sigma: 0.02 }\n");
+  ASSERT_TRUE(metres.ok()) << metres.error().message();
+  EXPECT_NEAR(metres->depth->unit_per_count, 1.0 / 256.0, 1e-12);
+  EXPECT_NEAR(metres->depth->scale_sigma, 0.02, 1e-12);
+  EXPECT_EQ(read(start + "depth: { maps: frames/*.jpg, values: feet }\n").error().code, "bad_value");
+  EXPECT_EQ(read(start + "depth: { maps: none/*.npy }\n").error().code, "no_match");
 }
 
 TEST_F(ProjectTest, BundledProjectsAreReadable) {

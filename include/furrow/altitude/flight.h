@@ -24,9 +24,10 @@ struct ShotInput {
 struct FlightOptions {
   RefineOptions shot;
   /// One-sigma of the logged angles against the rows' plane from shot to shot, apart from what is common to
-  /// the flight: gimbal, rounding of the log, waves of the ground (shot.terrain_slope_sigma_rad plays no
-  /// part). Default 0.3 deg: logs give 0.1 deg steps, gimbals hold to 0.2 deg, and a picture averages the
-  /// ground over ten metres and more.
+  /// the flight: gimbal, rounding of the log, waves of the ground
+  /// (shot.terrain_slope_sigma_rad counts for the biases, which take a slope for their own). Default 0.3 deg:
+  /// logs give 0.1 deg steps, gimbals hold to 0.2 deg, and a picture averages the ground over ten metres and
+  /// more.
   double angle_noise_rad = 0.0052;
   /// So many shots in a row see much the same plants, whose own shapes then do not average out: the sigmas of
   /// all that is common to the flight grow by its root. Default: a shot every metre or two, and the nearest

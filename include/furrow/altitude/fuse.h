@@ -18,7 +18,11 @@ struct HeightSample {
   /// gimbal bias, outline, ...) the metres by which one sigma of it moves this height. Such errors do not
   /// average out. Empty: every shot errs on its own.
   std::vector<SigmaShare> vision_shared;
-  Estimate depth_above_canopy_m;  ///< from a depth map; may carry a constant bias
+  /// How far ahead the optical axis meets the canopy: over ground that curves by c the picture's plane lies
+  /// c reach²/2 off the canopy straight below. 0: not known, or straight down.
+  double vision_reach_m = 0.0;
+  Estimate depth_above_canopy_m;         ///< from a depth map; may carry a constant bias
+  std::vector<SigmaShare> depth_shared;  ///< as vision_shared: scale of the network, gimbal
   double baro_height_m = std::numeric_limits<double>::quiet_NaN();  ///< above any fixed level; drifts
   double vps_height_m = std::numeric_limits<double>::quiet_NaN();   ///< above what is below: leaves or soil
   double gnss_height_m =
@@ -87,6 +91,9 @@ struct FusedFlight {
   std::array<double, kHeightSources> residual_rms_m = {};  ///< of those used; NaN for none
   /// The noise that the flight shows over the noise that was claimed, drawn to 1 by 20 readings' worth.
   std::array<double, kHeightSources> noise_scale = {1.0, 1.0, 1.0, 1.0, 1.0};
+  /// One-sigma of the ground's curvature, 1/m, that the other sources' disagreement with vision shows; 0 for
+  /// ground that is flat as far as they tell.
+  double ground_curvature_per_m = 0.0;
   int passes = 0;  ///< of smoothing, until nothing changed
   /// Only a downward sensor fixes the height, and it never changed its level: leaves or soil is a guess, and
   /// the row height stands in the sigma.

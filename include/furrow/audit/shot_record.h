@@ -24,7 +24,9 @@ struct ShotRecord {
   Estimate pitch_deg;                  ///< refined
   Estimate above_canopy_thesis_m;  ///< thesis formula with the automatic half width; its sigma stays unknown
   Estimate above_canopy_thesis_hand_m;  ///< the same with a half width that a person measured in the picture
-  Estimate above_canopy_spacing_m;      ///< closed form
+  Estimate above_canopy_depth_thesis_m;  ///< thesis formula with a depth map's middle value; without sigma
+  Estimate above_canopy_depth_m;         ///< from all of the depth map
+  Estimate above_canopy_spacing_m;       ///< closed form
   /// Refined with all shots of the flight at once; from this shot alone where the flight could not carry it.
   Estimate above_canopy_refined_m;
   bool refined_in_flight = false;  ///< whether the flight carried it

@@ -18,6 +18,14 @@ inline constexpr double kDefaultHalfWidthSigmaShare = 0.15;
 inline constexpr double kDefaultRowHeightSigmaShare = 0.05;
 inline constexpr double kDefaultFoliageDepthSigmaShare = 0.25;
 
+/// Depth maps of the shots, made by a network or a sensor.
+struct ProjectDepth {
+  std::vector<std::filesystem::path> maps;  ///< each belongs to the shot whose picture has its stem
+  bool disparity = true;  ///< a network's sigmoid disparity; false: metres along the optical axis
+  double unit_per_count = 1.0 / 65535.0;  ///< of maps in integers
+  double scale_sigma = 0.1;               ///< share of itself by which the common scale may be off, one sigma
+};
+
 /// project.yaml, read and checked; paths are resolved against its folder.
 struct Project {
   std::string name;
@@ -37,6 +45,7 @@ struct Project {
 
   rows::Method rows_method = rows::Method::field;
   altitude::FieldKnowledge field;
+  std::optional<ProjectDepth> depth;
   /// CSV of half widths in the picture that a person measured, for the thesis's formula.
   std::optional<std::filesystem::path> hand_widths;
 };
