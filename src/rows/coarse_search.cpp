@@ -314,7 +314,7 @@ std::vector<Trial> coarse_search(const Strips& strips) {
     rectified.push_back(std::move(one));
   }
   // Only where columns differ most is a fold worth its time.
-  constexpr std::size_t kFolded = 20;
+  constexpr std::size_t kFolded = 32;
   std::sort(sheared.begin(), sheared.end(),
             [](const Sheared& a, const Sheared& b) { return a.score > b.score; });
   if (sheared.size() > kFolded) sheared.resize(kFolded);
