@@ -31,6 +31,13 @@ Result<ShotSystem> build_system(const Pencil& pencil, const Farm& farm, const At
 
 }  // namespace
 
+AttitudePrior over_slope(AttitudePrior prior, double terrain_slope_sigma_rad) {
+  for (Estimate* angle : {&prior.pitch_rad, &prior.roll_rad}) {
+    if (angle->usable()) angle->sigma = std::hypot(angle->sigma, terrain_slope_sigma_rad);
+  }
+  return prior;
+}
+
 SolveReport solve(const ShotSystem& system, ShotVector& x, bool robust, const RefineOptions& options) {
   double* const pose = x.data();
   double* const farm = x.data() + kPoseSize;
@@ -124,7 +131,9 @@ Result<PreparedShot> prepare_shot(const rows::RowLines& lines, const Camera& cam
 Result<PreparedShot> prepare_directions(const RowsOnUnitPlane& directions, const FieldKnowledge& field,
                                         const Farm& farm, const AttitudePrior& prior,
                                         const RefineOptions& options) {
-  FURROW_TRY(const Pencil pencil, fit_pencil(directions, field, prior));
+  // A start that trusts the gimbal over a slope gives lines to wrong edges.
+  FURROW_TRY(const Pencil pencil,
+             fit_pencil(directions, field, over_slope(prior, options.terrain_slope_sigma_rad)));
   PreparedShot shot;
   FURROW_TRY(shot.system, build_system(pencil, farm, prior, options));
   shot.x = start_of(pencil, farm);

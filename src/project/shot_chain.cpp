@@ -86,7 +86,9 @@ void measure(ShotResult& result, const Camera& camera, const Project& project) {
   record.above_canopy_thesis_m = automatic_thesis_height(result.lines, camera, project.field, result.prior);
   const auto directions = altitude::rows_on_unit_plane(result.lines, camera);
   if (directions.ok()) {
-    const auto closed = altitude::from_spacing(*directions, project.field, result.prior);
+    const double slope = altitude::RefineOptions{}.terrain_slope_sigma_rad;
+    const auto closed =
+        altitude::from_spacing(*directions, project.field, altitude::over_slope(result.prior, slope));
     if (closed.ok()) record.above_canopy_spacing_m = closed->height_above_canopy_m;
   }
   const auto refined = altitude::refine_shot(result.lines, camera, project.field, result.prior);

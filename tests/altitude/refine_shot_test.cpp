@@ -188,6 +188,16 @@ TEST(RefineShot, FocalUncertaintyCarriesOverOneToOneAtNadir) {
   EXPECT_NEAR(shot->height_above_canopy_m.sigma / 10.0, 0.01, 0.0003);
 }
 
+// A gimbal measures against gravity, and the closed form hears of the slope too.
+TEST(RefineShot, ASlopeWidensWhatTheGimbalSays) {
+  AttitudePrior prior;
+  prior.roll_rad = {0.01, 0.03, 1};
+  const AttitudePrior wide = over_slope(prior, 0.04);
+  EXPECT_NEAR(wide.roll_rad.value, 0.01, 1e-15);
+  EXPECT_NEAR(wide.roll_rad.sigma, 0.05, 1e-15);
+  EXPECT_FALSE(wide.pitch_rad.usable());
+}
+
 TEST(RefineShot, AMisplacedRowIsLeftOut) {
   const World world = low_vineyard();
   const Camera camera = testing::thesis_camera();

@@ -91,6 +91,10 @@ struct RefineOptions {
   int max_iterations = 50;
 };
 
+/// The gimbal's angles against rows on ground that slopes: each sigma grows by the slope's
+/// (RefineOptions::terrain_slope_sigma_rad).
+AttitudePrior over_slope(AttitudePrior prior, double terrain_slope_sigma_rad);
+
 /// Height, attitude and offset of one shot from its row centres and edges in pixels, through the full camera
 /// model, with priors. Rows are prisms with walls, so that an oblique view of a wall does not bias the height
 /// (docs/formulation/altitude.md, section 5).
