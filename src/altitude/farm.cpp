@@ -5,6 +5,7 @@
 #include <string>
 
 #include "furrow/base/text.h"
+#include "furrow/geom/angles.h"
 
 namespace furrow::altitude {
 namespace {
@@ -87,9 +88,12 @@ Result<Farm> complete_farm(const FieldKnowledge& field) {
   return farm;
 }
 
-Estimate outline_rise(const FieldKnowledge& field, double half_width_m) {
+Estimate outline_rise(const FieldKnowledge& field, double half_width_m, double rounding_m) {
   if (field.outline_rise_m.usable()) return field.outline_rise_m;
-  return {kOutlineRisePerHalfWidth * half_width_m, kOutlineRiseSigmaPerHalfWidth * half_width_m, 0};
+  // The mean height of half an ellipse of depth r is pi/4 r (eq. 8.8).
+  const double over_mean_m = (1.0 - geom::kPi / 4.0) * rounding_m;
+  return {kOutlineRisePerHalfWidth * half_width_m + over_mean_m, kOutlineRiseSigmaPerHalfWidth * half_width_m,
+          0};
 }
 
 Estimate log_rounding(const FieldKnowledge& field, double half_width_m) {

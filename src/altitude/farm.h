@@ -17,8 +17,9 @@ struct Farm {
 /// Errors: no_spacing, not_finite, bad_field (not above 0), each naming the quantity.
 Result<Farm> complete_farm(const FieldKnowledge& field);
 
-/// How far the rows' outline stands above their top (FieldKnowledge::outline_rise_m; eq. 8.7).
-Estimate outline_rise(const FieldKnowledge& field, double half_width_m);
+/// How far the rows' outline stands above their top (FieldKnowledge::outline_rise_m; eq. 8.7 and 8.8), of
+/// rows with this half width and this depth of their rounded tops.
+Estimate outline_rise(const FieldKnowledge& field, double half_width_m, double rounding_m);
 
 /// Logarithm of the rounded top's depth over the half width, with what stands in where it is not known.
 Estimate log_rounding(const FieldKnowledge& field, double half_width_m);

@@ -101,14 +101,14 @@ RefinedShot describe(const ShotSystem& system, const ShotVector& x, const ShotMa
   shot.row_spacing_m = estimate(x[kPoseSize + kSpacing], 5);
   shot.half_width_m = estimate(std::abs(x[kPoseSize + kHalfWidth]), 6);
   shot.foliage_depth_m = estimate(std::abs(x[kPoseSize + kDepth]), 7);
-  const Estimate rise = outline_rise(field, shot.half_width_m.value);
+  const int round = kPoseSize + kRounding;
+  const double depth = shot.half_width_m.value * std::exp(x[round]);
+  const Estimate rise = outline_rise(field, shot.half_width_m.value, depth);
   shot.outline_rise_m = rise;
   shot.height_above_canopy_m.value += rise.value;
   shot.height_above_canopy_m.sigma = std::hypot(shot.height_above_canopy_m.sigma, rise.sigma);
   shot.covariance(0, 0) += rise.sigma * rise.sigma;
   shot.heading_rad = {x[kPsi], std::sqrt(total(kPsi, kPsi)), shot.observations};
-  const int round = kPoseSize + kRounding;
-  const double depth = shot.half_width_m.value * std::exp(x[round]);
   shot.rounding_m = {depth, depth * std::sqrt(total(round, round)), shot.observations};
   const int ratio = kPoseSize + kBaseRatio;
   shot.base_width_ratio = {x[ratio], std::sqrt(total(ratio, ratio)), shot.observations};

@@ -19,8 +19,8 @@ struct FieldKnowledge {
   Estimate rounding_m;
   /// How far the outline's highest point lies above the top that row_height_m names: a picture shows the
   /// outline. 0 for smooth boxes, near 0 where row_height_m names the highest leaves, most where it names the
-  /// mean of the leaves first hit from above. Unusable: kOutlineRisePerHalfWidth +-
-  /// kOutlineRiseSigmaPerHalfWidth.
+  /// mean of the leaves first hit from above. Unusable: what the rounding makes and kOutlineRisePerHalfWidth,
+  /// +- kOutlineRiseSigmaPerHalfWidth.
   Estimate outline_rise_m;
   /// One-sigma of a row's axis about its nominal place, as a whole along the part a picture shows. NaN:
   /// kPlantingSigmaPerSpacing.
@@ -41,9 +41,10 @@ inline constexpr double kRoundingPerHalfWidth = 0.5;
 inline constexpr double kLogRoundingSigma = 0.7;
 
 /// Their highest points lay over the named top by 0.08 half widths where that is the highest leaf, 0.24 in
-/// Furrow's renders, 0.55 where it is the mean of the leaves first hit from above (section 8): the middle
-/// one, and the sigma of anywhere from 0 to 0.6.
-inline constexpr double kOutlineRisePerHalfWidth = 0.24;
+/// Furrow's renders, 0.55 where it is the mean of the leaves first hit from above (section 8). Of the middle
+/// one, which is half a width deep, the rounding makes (1 - pi/4) 0.5 = 0.11 and this is the rest, that of
+/// ragged leaves; the sigma is that of anywhere from 0 to 0.6.
+inline constexpr double kOutlineRisePerHalfWidth = 0.12;
 inline constexpr double kOutlineRiseSigmaPerHalfWidth = 0.17;
 
 /// What the gimbal says about one shot, with one-sigma; unusable values are not known.
