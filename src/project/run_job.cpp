@@ -109,6 +109,7 @@ Result<altitude::RefinedFlight> refine_flight(const std::vector<ShotResult>& res
   }
   if (camera == nullptr) return Error{"no_usable_shot", project.name, "no shot has rows", "", ""};
   altitude::FlightOptions options;
+  options.shot = refine_options(project);
   options.threads = job.threads;
   base::report(job.progress, "refining the flight", 0, 1);
   auto flight = altitude::refine_flight(inputs, *camera, project.field, options);
@@ -223,6 +224,7 @@ base::Value options_value(const Project& project) {
   value.set("height_m", length(project.field.row_height_m));
   value.set("foliage_depth_m", length(project.field.foliage_depth_m));
   value.set("outline_rise_m", length(project.field.outline_rise_m));
+  value.set("slope_sigma_deg", project.slope_sigma_deg);
   value.set("gimbal_pitch_sigma_deg", project.gimbal_pitch_sigma_deg);
   value.set("gimbal_roll_sigma_deg", project.gimbal_roll_sigma_deg);
   return value;

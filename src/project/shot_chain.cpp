@@ -86,12 +86,13 @@ void measure(ShotResult& result, const Camera& camera, const Project& project) {
   record.above_canopy_thesis_m = automatic_thesis_height(result.lines, camera, project.field, result.prior);
   const auto directions = altitude::rows_on_unit_plane(result.lines, camera);
   if (directions.ok()) {
-    const double slope = altitude::RefineOptions{}.terrain_slope_sigma_rad;
-    const auto closed =
-        altitude::from_spacing(*directions, project.field, altitude::over_slope(result.prior, slope));
+    const auto closed = altitude::from_spacing(
+        *directions, project.field,
+        altitude::over_slope(result.prior, refine_options(project).terrain_slope_sigma_rad));
     if (closed.ok()) record.above_canopy_spacing_m = closed->height_above_canopy_m;
   }
-  const auto refined = altitude::refine_shot(result.lines, camera, project.field, result.prior);
+  const auto refined =
+      altitude::refine_shot(result.lines, camera, project.field, result.prior, refine_options(project));
   if (refined.ok()) {
     record = with_refined(std::move(record), *refined);
     record.above_canopy_shot_m = refined->height_above_canopy_m;
@@ -141,6 +142,12 @@ void measure_depth(ShotResult& result, const telemetry::Shot& shot, const Projec
 }
 
 }  // namespace
+
+altitude::RefineOptions refine_options(const Project& project) {
+  altitude::RefineOptions options;
+  options.terrain_slope_sigma_rad = deg_to_rad(project.slope_sigma_deg);
+  return options;
+}
 
 Estimate thesis_height(double half_width_px, const Camera& camera, const altitude::FieldKnowledge& field,
                        const altitude::AttitudePrior& prior) {

@@ -14,6 +14,9 @@
 
 namespace furrow::project {
 
+/// How a shot's rows are refined for this farm.
+altitude::RefineOptions refine_options(const Project& project);
+
 /// One shot's way through the stages; nothing edits an earlier stage's result.
 struct ShotResult {
   audit::ShotRecord record;

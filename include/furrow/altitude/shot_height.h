@@ -80,9 +80,9 @@ struct RefineOptions {
   double prior_conflict_sigmas = 5.0;
   /// One-sigma of the angle between the rows' plane and level ground, along and across the rows: gimbals
   /// measure against gravity, pictures against the rows. Added to the sigmas of pitch and roll. Default: a
-  /// slope of 5 %, as vineyards and fields have them; a picture of a few rows tells both angles better, so
-  /// that level ground loses nothing. Lower it for terraces seen with one or two rows.
-  double terrain_slope_sigma_rad = 0.05;
+  /// vineyard terrace or a sown field within half a degree. More over hills; but where a picture shows two or
+  /// three ragged rows only, the gimbal tells the angles better than they do.
+  double terrain_slope_sigma_rad = 0.0087;
   /// A height with a larger sigma than this part of itself is no answer but an error, height_open.
   double largest_relative_sigma = 0.5;
   /// Rows that miss every field of equally spaced rows by more than this many times their sigmas are no rows

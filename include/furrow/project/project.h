@@ -42,6 +42,9 @@ struct Project {
   std::optional<std::filesystem::path> telemetry;
   double gimbal_pitch_sigma_deg = 1.0;  ///< how far the gimbal's pitch may be off, one sigma
   double gimbal_roll_sigma_deg = 1.0;   ///< the same for its roll
+  /// Of the angle between the rows' plane and level ground
+  /// (altitude::RefineOptions::terrain_slope_sigma_rad).
+  double slope_sigma_deg = 0.5;
 
   rows::Method rows_method = rows::Method::field;
   altitude::FieldKnowledge field;
