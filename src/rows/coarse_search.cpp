@@ -253,9 +253,8 @@ void fold_all(const Strips& strips, const Rectified& rectified, const Sheared& s
               std::vector<Trial>& trials) {
   Aligned aligned;
   align(rectified, sheared.slope, sheared.bend, aligned);
-  // Successive spacings: six rows from the middle that is a quarter of a spacing.
-  constexpr double kRatio =
-      1.04;  // successive spacings: eight rows from the middle that is a quarter of a spacing
+  // Of successive spacings: six rows from the middle that is a quarter of a spacing.
+  constexpr double kRatio = 1.04;
   const double least = std::max(6.0, 2.5 * rectified.bin_px), most = 0.75 * strips.width;
   std::vector<Folded> folded;
   std::vector<double> spacings;
