@@ -175,6 +175,23 @@ std::optional<Estimate> offset_around(const std::vector<double>& offsets_m, std:
   return Estimate{stats::median(around), stats::mad_sigma(around), static_cast<int>(around.size())};
 }
 
+/// A height that its neighbours and the log's steps deny: farther off than `limit_m`.
+struct Denial {
+  double off_m = 0.0, limit_m = 0.0;
+  int shots_around = 0;
+};
+
+std::optional<Denial> denial_of(const Estimate& alone_m, const std::vector<double>& offsets_m, std::size_t i,
+                                const FlightOptions& options) {
+  const auto around = offset_around(offsets_m, i);
+  if (!around || !std::isfinite(offsets_m[i])) return std::nullopt;
+  const double off = std::abs(offsets_m[i] - around->value);
+  const double limit =
+      options.neighbour_conflict_sigmas * std::hypot(alone_m.sigma, around->sigma, options.log_step_sigma_m);
+  if (!(off > limit)) return std::nullopt;
+  return Denial{off, limit, around->observations};
+}
+
 /// Takes out shots whose own height parts from their neighbours' and the log's steps by far more than all
 /// their sigmas: their rows were miscounted, and tied to the others they would bend the flight.
 void leave_out_denied(const std::vector<ShotInput>& shots, const FlightOptions& options,
@@ -184,23 +201,18 @@ void leave_out_denied(const std::vector<ShotInput>& shots, const FlightOptions& 
     offsets_m.push_back(member.alone_m.value - shots[member.input].log_height_m);
   std::vector<Member> kept;
   for (std::size_t i = 0; i < members.size(); ++i) {
-    const auto around = offset_around(offsets_m, i);
-    const double off = around && std::isfinite(offsets_m[i]) ? std::abs(offsets_m[i] - around->value) : 0.0;
-    const double limit =
-        around ? options.neighbour_conflict_sigmas *
-                     std::hypot(members[i].alone_m.sigma, around->sigma, options.log_step_sigma_m)
-               : 0.0;
-    if (!(off > limit)) {
+    const auto denial = denial_of(members[i].alone_m, offsets_m, i, options);
+    if (!denial) {
       kept.push_back(std::move(members[i]));
       continue;
     }
     const std::size_t input = members[i].input;
     const Error error{"denied_by_neighbours", shots[input].shot_id,
                       "by its rows " + base::format_fixed(members[i].alone_m.value, 2) +
-                          " m above the canopy, " + base::format_fixed(off, 2) +
-                          " m off what the log makes of " + std::to_string(around->observations) +
+                          " m above the canopy, " + base::format_fixed(denial->off_m, 2) +
+                          " m off what the log makes of " + std::to_string(denial->shots_around) +
                           " shots around it",
-                      "within " + base::format_fixed(limit, 2) + " m",
+                      "within " + base::format_fixed(denial->limit_m, 2) + " m",
                       "a line that is no row may have been counted: look at the picture of its rows"};
     result.status[input] = error.code;
     result.reason[input] = error.message();

@@ -377,9 +377,43 @@ double flown_height_m(const std::vector<audit::ShotRecord>& records) {
   return middle_m > 0.0 ? middle_m : CalibrateJobOptions{}.flight_height_m;
 }
 
-void add_files_of(const figures::Figure& figure, std::vector<std::string>& files) {
-  files.push_back("figures/" + figure.name + ".png");
-  files.push_back("figures/" + figure.name + ".svg");
+/// Writes figures and adds their names to the manifest's.
+Status write_figures(const fs::path& out, const std::vector<figures::Figure>& made,
+                     std::vector<std::string>& files) {
+  for (const figures::Figure& figure : made) {
+    FURROW_DO(figures::write_figure(out / "figures", figure));
+    files.push_back("figures/" + figure.name + ".png");
+    files.push_back("figures/" + figure.name + ".svg");
+  }
+  return Done{};
+}
+
+/// Each shot by the flight where that carries it, else alone.
+std::vector<audit::ShotRecord> records_of(const RunTables& tables) {
+  std::vector<audit::ShotRecord> records;
+  for (std::size_t i = 0; i < tables.results.size(); ++i) {
+    const audit::ShotRecord& alone = tables.results[i].record;
+    const bool carried = tables.flight.ok() && tables.flight->shots[i].usable;
+    records.push_back(carried ? with_refined(alone, tables.flight->shots[i]) : alone);
+    records.back().refined_in_flight = carried;
+    if (tables.flight.ok() && tables.flight->status[i] == "denied_by_neighbours") {
+      records.back() = denied(alone, tables.flight->reason[i]);
+    }
+  }
+  return records;
+}
+
+std::vector<std::string> warnings_of(const RunTables& tables) {
+  std::vector<std::string> warnings;
+  for (const ShotResult& result : tables.results) {
+    if (!result.depth_reason.empty())
+      warnings.push_back(result.record.shot_id + ": no height from its depth map: " + result.depth_reason);
+  }
+  if (!tables.flight.ok()) {
+    warnings.push_back("Each shot was refined alone, the flight not as a whole: " +
+                       tables.flight.error().message());
+  }
+  return warnings;
 }
 
 }  // namespace
@@ -392,24 +426,8 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
   }
   FURROW_TRY(RunTables tables, measure_flight(project, job));
   RunOutcome outcome;
-  for (std::size_t i = 0; i < tables.results.size(); ++i) {
-    const audit::ShotRecord& alone = tables.results[i].record;
-    const bool carried = tables.flight.ok() && tables.flight->shots[i].usable;
-    outcome.records.push_back(carried ? with_refined(alone, tables.flight->shots[i]) : alone);
-    outcome.records.back().refined_in_flight = carried;
-    if (tables.flight.ok() && tables.flight->status[i] == "denied_by_neighbours") {
-      outcome.records.back() = denied(alone, tables.flight->reason[i]);
-    }
-  }
-  for (const ShotResult& result : tables.results) {
-    if (!result.depth_reason.empty())
-      outcome.warnings.push_back(result.record.shot_id +
-                                 ": no height from its depth map: " + result.depth_reason);
-  }
-  if (!tables.flight.ok()) {
-    outcome.warnings.push_back("Each shot was refined alone, the flight not as a whole: " +
-                               tables.flight.error().message());
-  }
+  outcome.records = records_of(tables);
+  outcome.warnings = warnings_of(tables);
   std::vector<audit::ShotBudget> budgets = budgets_of(tables);
   if (tables.fusion.ok()) widen_by_ground(outcome.records, budgets, *tables.fusion);
   add_fused(outcome.records, tables.fusion);
@@ -448,17 +466,11 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
         calibration_section(calibration, tables.camera.calibration->verdict, findings, std::move(made)));
     outcome.findings.insert(outcome.findings.end(), findings.begin(), findings.end());
     for (const std::string& file : calibration_files(calibration)) files.push_back("calibration/" + file);
-    for (const auto& figure : content.calibration[0].figures) {
-      FURROW_DO(figures::write_figure(out / "figures", figure));
-      add_files_of(figure, files);
-    }
+    FURROW_DO(write_figures(out, content.calibration[0].figures, files));
   }
   for (const auto* made : {&content.flight_figures, &content.leg_figures, &content.budget_figures,
                            &content.fusion_figures, &content.overlays}) {
-    for (const auto& figure : *made) {
-      FURROW_DO(figures::write_figure(out / "figures", figure));
-      add_files_of(figure, files);
-    }
+    FURROW_DO(write_figures(out, *made, files));
   }
   outcome.report = out / "report.html";
   FURROW_DO(base::write_file(outcome.report, report::to_html(run_page(std::move(content)))));
