@@ -7,10 +7,9 @@
 
 #include "arrow.h"
 #include "budget.h"
+#include "denial.h"
 #include "furrow/altitude/flight.h"
 #include "furrow/base/parallel.h"
-#include "furrow/base/text.h"
-#include "furrow/geom/angles.h"
 #include "furrow/stats/robust.h"
 #include "shot_system.h"
 
@@ -35,7 +34,7 @@ struct Member {
   PreparedShot shot;
   Estimate log_theta, log_lambda;  ///< gimbal's reading with its shot-to-shot sigma
   double direction = 1.0;
-  Estimate alone_m;  ///< height by this shot alone
+  RefinedShot alone;  ///< by this shot alone
 };
 
 /// A tie between the heights of two neighbours in `members`.
@@ -128,9 +127,8 @@ Result<Member> member_of(const ShotInput& input, const Camera& camera, const Fie
   // one shot.
   RefineOptions alone = options.shot;
   alone.prior_conflict_sigmas = std::numeric_limits<double>::infinity();
-  FURROW_TRY(const RefinedShot settled, settle_shot(member.shot, camera, field, alone));
-  check(settled.usable, "a settled shot is usable");
-  member.alone_m = settled.height_above_canopy_m;
+  FURROW_TRY(member.alone, settle_shot(member.shot, camera, field, alone));
+  check(member.alone.usable, "a settled shot is usable");
   FURROW_TRY(const GimbalPrior gimbal, gimbal_prior(input.attitude));
   const double sigma = options.angle_noise_rad;
   if (gimbal.theta.usable()) member.log_theta = {gimbal.theta.value, sigma, 1};
@@ -163,59 +161,24 @@ std::vector<Member> prepare(const std::vector<ShotInput>& shots, const Camera& c
   return members;
 }
 
-/// What the log's steps from the shots around shot `i` make of its height: the middle of theirs less the log,
-/// and their scatter; nothing with too few of them.
-std::optional<Estimate> offset_around(const std::vector<double>& offsets_m, std::size_t i) {
-  constexpr std::size_t kAround = 3, kLeast = 3;  // shots to each side; of them in all
-  std::vector<double> around;
-  for (std::size_t k = i > kAround ? i - kAround : 0; k < std::min(offsets_m.size(), i + kAround + 1); ++k) {
-    if (k != i && std::isfinite(offsets_m[k])) around.push_back(offsets_m[k]);
-  }
-  if (around.size() < kLeast) return std::nullopt;
-  return Estimate{stats::median(around), stats::mad_sigma(around), static_cast<int>(around.size())};
-}
-
-/// A height that its neighbours and the log's steps deny: farther off than `limit_m`.
-struct Denial {
-  double off_m = 0.0, limit_m = 0.0;
-  int shots_around = 0;
-};
-
-std::optional<Denial> denial_of(const Estimate& alone_m, const std::vector<double>& offsets_m, std::size_t i,
-                                const FlightOptions& options) {
-  const auto around = offset_around(offsets_m, i);
-  if (!around || !std::isfinite(offsets_m[i])) return std::nullopt;
-  const double off = std::abs(offsets_m[i] - around->value);
-  const double limit =
-      options.neighbour_conflict_sigmas * std::hypot(alone_m.sigma, around->sigma, options.log_step_sigma_m);
-  if (!(off > limit)) return std::nullopt;
-  return Denial{off, limit, around->observations};
-}
-
-/// Takes out shots whose own height parts from their neighbours' and the log's steps by far more than all
-/// their sigmas: their rows were miscounted, and tied to the others they would bend the flight.
+/// Takes out shots whose rows the others deny, with their reasons.
 void leave_out_denied(const std::vector<ShotInput>& shots, const FlightOptions& options,
                       std::vector<Member>& members, RefinedFlight& result) {
-  std::vector<double> offsets_m;
-  for (const Member& member : members)
-    offsets_m.push_back(member.alone_m.value - shots[member.input].log_height_m);
+  std::vector<AloneShot> alone;
+  for (const Member& member : members) {
+    const ShotInput& input = shots[member.input];
+    alone.push_back(
+        {input.shot_id, member.alone.height_above_canopy_m, input.log_height_m, member.alone.residual_rms});
+  }
+  const auto denied = denied_shots(alone, options);
   std::vector<Member> kept;
   for (std::size_t i = 0; i < members.size(); ++i) {
-    const auto denial = denial_of(members[i].alone_m, offsets_m, i, options);
-    if (!denial) {
+    if (!denied[i]) {
       kept.push_back(std::move(members[i]));
       continue;
     }
-    const std::size_t input = members[i].input;
-    const Error error{"denied_by_neighbours", shots[input].shot_id,
-                      "by its rows " + base::format_fixed(members[i].alone_m.value, 2) +
-                          " m above the canopy, " + base::format_fixed(denial->off_m, 2) +
-                          " m off what the log makes of " + std::to_string(denial->shots_around) +
-                          " shots around it",
-                      "within " + base::format_fixed(denial->limit_m, 2) + " m",
-                      "a line that is no row may have been counted: look at the picture of its rows"};
-    result.status[input] = error.code;
-    result.reason[input] = error.message();
+    result.status[members[i].input] = denied[i]->code;
+    result.reason[members[i].input] = denied[i]->message();
   }
   members = std::move(kept);
 }
