@@ -43,6 +43,15 @@ Result<bool> given(const char* name, const Estimate& value) {
   return true;
 }
 
+/// Logarithm of a length over the half width, or what stands in where it is not known.
+Estimate log_part(const Estimate& length_m, double half_width_m, const Estimate& unknown) {
+  constexpr double kNone = 1e-6;  // of the half width: stands for 0
+  if (!length_m.usable()) return unknown;
+  const double length = std::max(length_m.value, kNone * half_width_m);
+  return {std::log(length / half_width_m), std::max(length_m.sigma / length, kExactRelativeSigma),
+          length_m.observations};
+}
+
 Estimate with_positive_sigma(Estimate e) {
   e.sigma = std::max(e.sigma, kExactRelativeSigma * e.value);
   return e;
@@ -58,6 +67,7 @@ Result<Farm> complete_farm(const FieldKnowledge& field) {
   FURROW_TRY(const bool ratio, given("base_width_ratio", field.base_width_ratio));
   FURROW_DO(finite_or_unknown("outline_rise_m", field.outline_rise_m));
   FURROW_DO(finite_or_unknown("rounding_m", field.rounding_m));
+  FURROW_DO(finite_or_unknown("softness_m", field.softness_m));
   if (!spacing) {
     return Error{"no_spacing", "row_spacing_m", "no row spacing",
                  "the distance between row centres in metres",
@@ -77,6 +87,8 @@ Result<Farm> complete_farm(const FieldKnowledge& field) {
   farm.base_width_ratio = with_positive_sigma(ratio ? field.base_width_ratio : anywhere_up_to(1.0));
   farm.rounding_given = field.rounding_m.usable();
   farm.rounding = log_rounding(field, farm.half_width_m.value);
+  farm.softness_given = field.softness_m.usable();
+  farm.softness = log_softness(field, farm.half_width_m.value);
   farm.planting_sigma_m =
       std::isfinite(field.planting_sigma_m) ? field.planting_sigma_m : kPlantingSigmaPerSpacing * s;
   farm.growth_sigma_m = std::isfinite(field.growth_sigma_m)
@@ -88,20 +100,22 @@ Result<Farm> complete_farm(const FieldKnowledge& field) {
   return farm;
 }
 
-Estimate outline_rise(const FieldKnowledge& field, double half_width_m, double rounding_m) {
+Estimate outline_rise(const FieldKnowledge& field, const CanopyShape& shape) {
   if (field.outline_rise_m.usable()) return field.outline_rise_m;
   // The mean height of half an ellipse of depth r is pi/4 r (eq. 8.8).
-  const double over_mean_m = (1.0 - geom::kPi / 4.0) * rounding_m;
-  return {kOutlineRisePerHalfWidth * half_width_m + over_mean_m, kOutlineRiseSigmaPerHalfWidth * half_width_m,
-          0};
+  const double over_mean_m = (1.0 - geom::kPi / 4.0) * shape.rounding_m;
+  const double w = shape.half_width_m;
+  const double soft = std::min(1.0, shape.softness_m / (kSoftPerHalfWidth * w));
+  return {kOutlineRisePerHalfWidth * w + over_mean_m,
+          std::lerp(kFirmOutlineRiseSigmaPerHalfWidth, kOutlineRiseSigmaPerHalfWidth, soft) * w, 0};
 }
 
 Estimate log_rounding(const FieldKnowledge& field, double half_width_m) {
-  constexpr double kFlat = 1e-6;  // depth over half width that stands for a flat top
-  const Estimate& r = field.rounding_m;
-  if (!r.usable()) return {std::log(kRoundingPerHalfWidth), kLogRoundingSigma, 0};
-  const double depth = std::max(r.value, kFlat * half_width_m);
-  return {std::log(depth / half_width_m), std::max(r.sigma / depth, kExactRelativeSigma), r.observations};
+  return log_part(field.rounding_m, half_width_m, {std::log(kRoundingPerHalfWidth), kLogRoundingSigma, 0});
+}
+
+Estimate log_softness(const FieldKnowledge& field, double half_width_m) {
+  return log_part(field.softness_m, half_width_m, {std::log(kSoftnessPerHalfWidth), kLogSoftnessSigma, 0});
 }
 
 }  // namespace furrow::altitude

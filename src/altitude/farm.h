@@ -8,20 +8,27 @@ namespace furrow::altitude {
 /// section 6).
 struct Farm {
   Estimate row_spacing_m, half_width_m, foliage_depth_m, base_width_ratio;
-  Estimate rounding;  ///< logarithm of FieldKnowledge::rounding_m over the half width
+  /// Logarithms of FieldKnowledge::rounding_m and softness_m over the half width.
+  Estimate rounding, softness;
   double planting_sigma_m = 0.0, growth_sigma_m = 0.0, foot_sigma_m = 0.0;
   bool half_width_given = false, foliage_depth_given = false, base_ratio_given = false,
-       rounding_given = false;
+       rounding_given = false, softness_given = false;
 };
 
 /// Errors: no_spacing, not_finite, bad_field (not above 0), each naming the quantity.
 Result<Farm> complete_farm(const FieldKnowledge& field);
 
-/// How far the rows' outline stands above their top (FieldKnowledge::outline_rise_m; eq. 8.7 and 8.8), of
-/// rows with this half width and this depth of their rounded tops.
-Estimate outline_rise(const FieldKnowledge& field, double half_width_m, double rounding_m);
+/// What the pictures tell of a canopy's outline.
+struct CanopyShape {
+  double half_width_m = 0.0, rounding_m = 0.0, softness_m = 0.0;
+};
+
+/// How far the rows' outline stands above their top (FieldKnowledge::outline_rise_m; eq. 8.7 and 8.8).
+Estimate outline_rise(const FieldKnowledge& field, const CanopyShape& shape);
 
 /// Logarithm of the rounded top's depth over the half width, with what stands in where it is not known.
 Estimate log_rounding(const FieldKnowledge& field, double half_width_m);
+/// The same of the length over which its leaves thin out.
+Estimate log_softness(const FieldKnowledge& field, double half_width_m);
 
 }  // namespace furrow::altitude

@@ -104,7 +104,7 @@ ShotVector planned_vector(const PlannedPose& pose, const Farm& farm) {
   ShotVector x;
   x << std::log(pose.height_above_canopy_m), pose.pitch_rad, 0.0, pose.heading_rad, pose.cross_track_m,
       farm.row_spacing_m.value, farm.half_width_m.value, farm.foliage_depth_m.value,
-      farm.base_width_ratio.value, farm.rounding.value;
+      farm.base_width_ratio.value, farm.rounding.value, farm.softness.value;
   return x;
 }
 

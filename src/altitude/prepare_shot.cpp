@@ -101,15 +101,21 @@ RefinedShot describe(const ShotSystem& system, const ShotVector& x, const ShotMa
   shot.row_spacing_m = estimate(x[kPoseSize + kSpacing], 5);
   shot.half_width_m = estimate(std::abs(x[kPoseSize + kHalfWidth]), 6);
   shot.foliage_depth_m = estimate(std::abs(x[kPoseSize + kDepth]), 7);
-  const int round = kPoseSize + kRounding;
-  const double depth = shot.half_width_m.value * std::exp(x[round]);
-  const Estimate rise = outline_rise(field, shot.half_width_m.value, depth);
+  // A length that is kept as a logarithm over the half width.
+  const auto part_of_width = [&](int place) {
+    const double length = shot.half_width_m.value * std::exp(x[kPoseSize + place]);
+    return Estimate{length, length * std::sqrt(total(kPoseSize + place, kPoseSize + place)),
+                    shot.observations};
+  };
+  shot.rounding_m = part_of_width(kRounding);
+  shot.softness_m = part_of_width(kSoftness);
+  const Estimate rise =
+      outline_rise(field, {shot.half_width_m.value, shot.rounding_m.value, shot.softness_m.value});
   shot.outline_rise_m = rise;
   shot.height_above_canopy_m.value += rise.value;
   shot.height_above_canopy_m.sigma = std::hypot(shot.height_above_canopy_m.sigma, rise.sigma);
   shot.covariance(0, 0) += rise.sigma * rise.sigma;
   shot.heading_rad = {x[kPsi], std::sqrt(total(kPsi, kPsi)), shot.observations};
-  shot.rounding_m = {depth, depth * std::sqrt(total(round, round)), shot.observations};
   const int ratio = kPoseSize + kBaseRatio;
   shot.base_width_ratio = {x[ratio], std::sqrt(total(ratio, ratio)), shot.observations};
   if (field.row_height_m.usable()) {

@@ -10,9 +10,10 @@ namespace furrow::altitude {
 
 /// Places in the pose block of a shot.
 inline constexpr int kLogHeight = 0, kTheta = 1, kLambda = 2, kPsi = 3, kCrossTrack = 4, kPoseSize = 5;
-/// Places in the farm block. Rounding is the logarithm of the top's depth over the half width: it has no
-/// sign.
-inline constexpr int kSpacing = 0, kHalfWidth = 1, kDepth = 2, kBaseRatio = 3, kRounding = 4, kFarmSize = 5;
+/// Places in the farm block. Rounding and softness are logarithms of lengths over the half width: they have
+/// no sign.
+inline constexpr int kSpacing = 0, kHalfWidth = 1, kDepth = 2, kBaseRatio = 3, kRounding = 4, kSoftness = 5,
+                     kFarmSize = 6;
 
 template <class T>
 struct Vector3 {
@@ -89,15 +90,27 @@ Touch<T> top_left(const T& y, const T& h, const T& w, const T& r) {
   return {t, widest - r * r * t / sqrt(w * w + r * r * t * t)};
 }
 
-/// Eq. 5.1 to 5.3: silhouettes of a row with a rounded top and a wall down to half width beta w at drop H +
-/// d, and what the neighbour nearer to the camera leaves of it.
+/// How far the outline stands outside of that seen square to the rows, where the line of sight p slants along
+/// them: leaves thin out towards the edge of a canopy, and a slanting line meets more of them (eq. 5.5).
 template <class T>
-VisibleRow<T> visible_row(const T* pose, const T* farm, int k) {
+T swell_at(const RowAxes<T>& axes, const T* farm, const Eigen::Vector2d& p) {
+  using std::exp;
+  using std::log;
+  const T across = axes.m.x * p.x() + axes.m.y * p.y() + axes.m.z;
+  const T down = axes.q.x * p.x() + axes.q.y * p.y() + axes.q.z;
+  return magnitude(farm[kHalfWidth]) * exp(farm[kSoftness]) *
+         (0.5 * log((p.squaredNorm() + 1.0) / (across * across + down * down)));
+}
+
+/// Eq. 5.1 to 5.3: silhouettes of a row with a rounded top and a wall down to half width beta w at drop H +
+/// d, and what the neighbour nearer to the camera leaves of it; all of it outside by `swell`.
+template <class T>
+VisibleRow<T> visible_row(const T* pose, const T* farm, int k, const T& swell = T(0.0)) {
   using std::exp;
   // Lengths enter by their magnitudes: a prior that reaches 0 must not turn the row inside out.
-  const T h = exp(pose[kLogHeight]), w = magnitude(farm[kHalfWidth]), d = magnitude(farm[kDepth]);
-  const T r = w * exp(farm[kRounding]);
-  const T s = farm[kSpacing], wb = share(farm[kBaseRatio]) * w, hb = h + d;
+  const T highest = exp(pose[kLogHeight]), width = magnitude(farm[kHalfWidth]), d = magnitude(farm[kDepth]);
+  const T h = highest - swell, w = width + swell, r = width * exp(farm[kRounding]) + swell;
+  const T s = farm[kSpacing], wb = share(farm[kBaseRatio]) * width + swell, hb = highest + d;
   const T y = -pose[kCrossTrack] - static_cast<double>(k) * s;
   const Touch<T> left = top_left(y, h, w, r), right = top_left(T(-y), h, w, r);
   VisibleRow<T> v{left.slope, -right.slope, left.drop, right.drop};

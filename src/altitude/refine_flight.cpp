@@ -21,9 +21,9 @@ constexpr int kPitchBias = 0, kRollBias = 1, kTerrainSlope = 2, kFocal = 3, kFli
 constexpr int kSharedSize = kFarmSize + kFlightSize;
 constexpr int kAllSize = kPoseSize + kSharedSize;
 using AllJet = ceres::Jet<double, kAllSize>;
-constexpr const char* kSharedNames[kSharedSize] = {"row_spacing", "half_width",    "foliage_depth",
-                                                   "base_ratio",  "rounding",      "pitch_bias",
-                                                   "roll_bias",   "terrain_slope", "focal_factor"};
+constexpr const char* kSharedNames[kSharedSize] = {
+    "row_spacing", "half_width", "foliage_depth", "base_ratio",    "rounding",
+    "softness",    "pitch_bias", "roll_bias",     "terrain_slope", "focal_factor"};
 
 /// A quantity held fixed still needs a prior in the covariance; small against anything measurable.
 constexpr double kHeldSigma = 1e-9;

@@ -59,7 +59,8 @@ std::vector<ParameterPrior> farm_priors(const Farm& farm) {
           {"half_width", at + kHalfWidth, farm.half_width_m, farm.half_width_given},
           {"foliage", at + kDepth, farm.foliage_depth_m, farm.foliage_depth_given},
           {"foliage", at + kBaseRatio, farm.base_width_ratio, farm.base_ratio_given},
-          {"foliage", at + kRounding, farm.rounding, farm.rounding_given}};
+          {"foliage", at + kRounding, farm.rounding, farm.rounding_given},
+          {"foliage", at + kSoftness, farm.softness, farm.softness_given}};
 }
 
 std::vector<ParameterPrior> angle_priors(const GimbalPrior& gimbal, bool roll_given,
@@ -87,6 +88,7 @@ ShotVector start_of(const Pencil& pencil, const Farm& farm) {
   x[kPoseSize + kDepth] = farm.foliage_depth_m.value;
   x[kPoseSize + kBaseRatio] = farm.base_width_ratio.value;
   x[kPoseSize + kRounding] = farm.rounding.value;
+  x[kPoseSize + kSoftness] = farm.softness.value;
   return x;
 }
 

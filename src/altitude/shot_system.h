@@ -42,11 +42,12 @@ struct ShotSystem {
 template <class T>
 void row_residuals(const RowBlock& block, const T* pose, const T* farm, T* raw, const T& zoom = T(1.0)) {
   const RowAxes<T> axes = row_axes(pose[kTheta], pose[kLambda], pose[kPsi]);
-  const VisibleRow<T> row = visible_row(pose, farm, block.row);
   for (std::size_t i = 0; i < block.lines.size(); ++i) {
-    const Vector3<T> l = line_at(axes, slope_of(row, block.lines[i].side));
-    raw[2 * i] = distance(l, block.lines[i].points[0], zoom);
-    raw[2 * i + 1] = distance(l, block.lines[i].points[1], zoom);
+    for (std::size_t j = 0; j < 2; ++j) {
+      const Eigen::Vector2d& p = block.lines[i].points[j];
+      const VisibleRow<T> row = visible_row(pose, farm, block.row, swell_at(axes, farm, p));
+      raw[2 * i + j] = distance(line_at(axes, slope_of(row, block.lines[i].side)), p, zoom);
+    }
   }
 }
 

@@ -484,8 +484,9 @@ Result<SpacingHeight> from_spacing(const RowsOnUnitPlane& rows, const FieldKnowl
   if (!field.row_spacing_m.usable()) return result;
   const double s = field.row_spacing_m.value, s_sigma = field.row_spacing_m.sigma;
   const double half_width = pencil.value[kPencilG] * s * over_spacing;
-  const Estimate rise =
-      outline_rise(field, half_width, half_width * std::exp(log_rounding(field, half_width).value));
+  const auto part = [&](const Estimate& log_part) { return half_width * std::exp(log_part.value); };
+  const Estimate rise = outline_rise(
+      field, {half_width, part(log_rounding(field, half_width)), part(log_softness(field, half_width))});
   result.height_above_canopy_m = {
       s * over_spacing + rise.value,
       std::hypot(s * result.height_over_spacing.sigma, over_spacing * s_sigma, rise.sigma), n};

@@ -17,6 +17,10 @@ struct FieldKnowledge {
   /// From the outline's highest point down to where the row is widest: 0 for a box's flat top. Unusable:
   /// kRoundingPerHalfWidth, by a factor of exp(kLogRoundingSigma) more or less.
   Estimate rounding_m;
+  /// Length over which the leaves thin out e-fold at the edge of the canopy: by so much the outline swells
+  /// where a line of sight meets e times as many of them. 0 for trimmed hedges. Unusable:
+  /// kSoftnessPerHalfWidth, by a factor of exp(kLogSoftnessSigma) more or less.
+  Estimate softness_m;
   /// How far the outline's highest point lies above the top that row_height_m names: a picture shows the
   /// outline. 0 for smooth boxes, near 0 where row_height_m names the highest leaves, most where it names the
   /// mean of the leaves first hit from above. Unusable: what the rounding makes and kOutlineRisePerHalfWidth,
@@ -40,12 +44,20 @@ inline constexpr double kGrowthSigmaPerHalfWidth = 0.05;
 inline constexpr double kRoundingPerHalfWidth = 0.5;
 inline constexpr double kLogRoundingSigma = 0.7;
 
+inline constexpr double kSoftnessPerHalfWidth = 0.05;
+inline constexpr double kLogSoftnessSigma = 1.2;
+
 /// Their highest points lay over the named top by 0.08 half widths where that is the highest leaf, 0.24 in
 /// Furrow's renders, 0.55 where it is the mean of the leaves first hit from above (section 8). Of the middle
 /// one, which is half a width deep, the rounding makes (1 - pi/4) 0.5 = 0.11 and this is the rest, that of
 /// ragged leaves; the sigma is that of anywhere from 0 to 0.6.
 inline constexpr double kOutlineRisePerHalfWidth = 0.12;
 inline constexpr double kOutlineRiseSigmaPerHalfWidth = 0.17;
+/// Where the outline hardly swells there is less to call by two names: smooth walls rise by 0, Furrow's
+/// ragged but opaque renders by 0.17. From this softness on it is the sigma above, between them in
+/// proportion.
+inline constexpr double kFirmOutlineRiseSigmaPerHalfWidth = 0.08;
+inline constexpr double kSoftPerHalfWidth = 0.03;
 
 /// What the gimbal says about one shot, with one-sigma; unusable values are not known.
 struct AttitudePrior {

@@ -52,6 +52,7 @@ struct RefinedShot {
   Estimate half_width_m;
   Estimate foliage_depth_m;
   Estimate rounding_m;        ///< from the outline's highest point down to where the row is widest
+  Estimate softness_m;        ///< length over which the leaves thin out (FieldKnowledge::softness_m)
   Estimate base_width_ratio;  ///< half width at the lowest leaves over half_width_m
   /// Covariance of (height, pitch, roll, yaw, cross-track, spacing, half width, foliage depth); zero rows
   /// where held fixed.
