@@ -39,7 +39,7 @@ struct EdgeTrace {
 
 /// Whether an edge at slope t stands against the leaves of a neighbour.
 bool against_leaves(const VisibleRow<double>& neighbour, double t) {
-  return t >= neighbour.right - 1e-12 && t <= neighbour.left + 1e-12;
+  return t >= neighbour.right.slope - 1e-12 && t <= neighbour.left.slope + 1e-12;
 }
 
 std::vector<EdgeTrace> traces_of(const ShotVector& x, const PlanOptions& options) {
@@ -49,7 +49,7 @@ std::vector<EdgeTrace> traces_of(const ShotVector& x, const PlanOptions& options
     const auto seen = [&](int row) { return visible_row(x.data(), x.data() + kPoseSize, row); };
     const VisibleRow<double> row = seen(k), before = seen(k - 1), after = seen(k + 1);
     for (const Side side : {Side::left, Side::right}) {
-      const double t = slope_of(row, side);
+      const double t = side == Side::left ? row.left.slope : row.right.slope;
       const bool merged = against_leaves(before, t) || against_leaves(after, t);
       if (merged && !options.leaf_against_leaf) continue;
       traces.push_back({k, side, line_at(axes, t), 0.0});
@@ -81,7 +81,7 @@ RowsOnUnitPlane draw(const ShotVector& x, const Camera& camera, const PlanOption
   for (EdgeTrace& trace : traces) {
     if (rows.rows.empty() || rows.rows.back().index != trace.row) rows.rows.push_back({trace.row, {}});
     const VisibleRow<double> row = visible_row(x.data(), x.data() + kPoseSize, trace.row);
-    const double width_per_drop = (row.left - row.right) * camera.fx;
+    const double width_per_drop = (row.left.slope - row.right.slope) * camera.fx;
     trace.state = random.normal();
     for (double v = 0.0; v < camera.height; v += kCutPx) {
       trace.state = options.edge_correlation * trace.state + fresh * random.normal();

@@ -64,17 +64,16 @@ T share(const T& x) {
   return x < T(0.0) ? T(0.0) : x > T(1.0) ? T(1.0) : x;
 }
 
-/// Slopes between which a row's green is seen; `*_drop` is the drop at which the edge that is seen stands.
-template <class T>
-struct VisibleRow {
-  T left, right;
-  T left_drop, right_drop;
-};
-
-/// A slope and the drop at which its line of sight touches the row.
+/// An edge as it is seen: its slope, and the drop at which its line of sight touches the row.
 template <class T>
 struct Touch {
   T slope, drop;
+};
+
+/// The edges between which a row's green is seen.
+template <class T>
+struct VisibleRow {
+  Touch<T> left, right;
 };
 
 /// Left edge of a rounded top whose axis lies at lateral y: half an ellipse of half width w, its highest
@@ -102,34 +101,60 @@ T swell_at(const RowAxes<T>& axes, const T* farm, const Eigen::Vector2d& p) {
          (0.5 * log((p.squaredNorm() + 1.0) / (across * across + down * down)));
 }
 
-/// Eq. 5.1 to 5.3: silhouettes of a row with a rounded top and a wall down to half width beta w at drop H +
-/// d, and what the neighbour nearer to the camera leaves of it; all of it outside by `swell`.
+/// The cross-section of all rows: drop of the highest point, half width, depth of the rounded top, and half
+/// width and drop of the base.
 template <class T>
-VisibleRow<T> visible_row(const T* pose, const T* farm, int k, const T& swell = T(0.0)) {
+struct CrossSection {
+  T h, w, r, base_w, base_h;
+};
+
+/// The cross-section outside of the farm's by `swell`.
+template <class T>
+CrossSection<T> cross_section(const T* pose, const T* farm, const T& swell) {
   using std::exp;
   // Lengths enter by their magnitudes: a prior that reaches 0 must not turn the row inside out.
-  const T highest = exp(pose[kLogHeight]), width = magnitude(farm[kHalfWidth]), d = magnitude(farm[kDepth]);
-  const T h = highest - swell, w = width + swell, r = width * exp(farm[kRounding]) + swell;
-  const T s = farm[kSpacing], wb = share(farm[kBaseRatio]) * width + swell, hb = highest + d;
-  const T y = -pose[kCrossTrack] - static_cast<double>(k) * s;
-  const Touch<T> left = top_left(y, h, w, r), right = top_left(T(-y), h, w, r);
-  VisibleRow<T> v{left.slope, -right.slope, left.drop, right.drop};
-  const T base_left = (y + wb) / hb, base_right = (y - wb) / hb;
-  if (base_left > v.left) v.left = base_left, v.left_drop = hb;
-  if (base_right < v.right) v.right = base_right, v.right_drop = hb;
-  const Touch<T> front_left = top_left(T(y - s), h, w, r), front_right = top_left(T(-y - s), h, w, r);
-  const T hidden_left = front_left.slope, hidden_right = -front_right.slope;
-  if (v.right < hidden_left && hidden_left > T(0.0)) v.right = hidden_left, v.right_drop = front_left.drop;
-  if (v.left > hidden_right && hidden_right < T(0.0)) v.left = hidden_right, v.left_drop = front_right.drop;
-  return v;
+  const T h = exp(pose[kLogHeight]), w = magnitude(farm[kHalfWidth]);
+  return {h - swell, w + swell, w * exp(farm[kRounding]) + swell, share(farm[kBaseRatio]) * w + swell,
+          h + magnitude(farm[kDepth])};
 }
 
-/// Slope of an edge or of the middle of the visible row.
+/// Eq. 5.1 to 5.3: left silhouette of a row at lateral y with a rounded top and a wall down to its base, and
+/// what the neighbour nearer to the camera, one spacing to the left, leaves of it.
 template <class T>
-T slope_of(const VisibleRow<T>& row, Side side) {
-  if (side == Side::left) return row.left;
-  if (side == Side::right) return row.right;
-  return 0.5 * (row.left + row.right);
+Touch<T> visible_left(const CrossSection<T>& c, const T& y, const T& spacing) {
+  Touch<T> edge = top_left(y, c.h, c.w, c.r);
+  const T base = (y + c.base_w) / c.base_h;
+  if (base > edge.slope) edge = {base, c.base_h};
+  const T beyond = -y - spacing;  // the neighbour's axis to the right of the camera
+  if (beyond + c.w <= T(0.0)) return edge;
+  const Touch<T> front = top_left(beyond, c.h, c.w, c.r);
+  return edge.slope > -front.slope ? Touch<T>{-front.slope, front.drop} : edge;
+}
+
+/// Lateral place of row k's axis.
+template <class T>
+T axis_of(const T* pose, const T* farm, int k) {
+  return -pose[kCrossTrack] - static_cast<double>(k) * farm[kSpacing];
+}
+
+/// Row k, seen square to the rows.
+template <class T>
+VisibleRow<T> visible_row(const T* pose, const T* farm, int k) {
+  const CrossSection<T> c = cross_section(pose, farm, T(0.0));
+  const T y = axis_of(pose, farm, k);
+  const Touch<T> mirrored = visible_left(c, T(-y), farm[kSpacing]);
+  return {visible_left(c, y, farm[kSpacing]), {-mirrored.slope, mirrored.drop}};
+}
+
+/// Slope of an edge or of the middle of row k where its line of sight is p.
+template <class T>
+T slope_at(const RowAxes<T>& axes, const T* pose, const T* farm, int k, Side side, const Eigen::Vector2d& p) {
+  const CrossSection<T> c = cross_section(pose, farm, swell_at(axes, farm, p));
+  const T y = axis_of(pose, farm, k);
+  const auto left = [&] { return visible_left(c, y, farm[kSpacing]).slope; };
+  const auto right = [&] { return T(-visible_left(c, T(-y), farm[kSpacing]).slope); };
+  if (side == Side::left) return left();
+  return side == Side::right ? right() : T(0.5 * (left() + right()));
 }
 
 /// The camera's angles in the gimbal's order: yaw psi about the vertical, then roll lambda about the level

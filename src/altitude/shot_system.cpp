@@ -14,19 +14,18 @@ namespace {
 using ShotJet = ceres::Jet<double, kShotSize>;
 
 /// How far the foot of a near edge's wall, wandering in depth, moves its slope (eq. 5.4); 0 for a far edge.
-double foot_slope_sigma(double slope, double drop, double side, const RowWander& wander) {
-  return side * slope < 0.0 ? std::abs(slope) / drop * wander.foot_sigma_m : 0.0;
+double foot_slope_sigma(const Touch<double>& edge, double side, const RowWander& wander) {
+  return side * edge.slope < 0.0 ? std::abs(edge.slope) / edge.drop * wander.foot_sigma_m : 0.0;
 }
 
 LinePlace place_of(const VisibleRow<double>& row, Side side, double top_centre, double height,
                    const RowWander& wander) {
-  if (side == Side::left)
-    return {row.left, row.left_drop, foot_slope_sigma(row.left, row.left_drop, 1.0, wander)};
+  if (side == Side::left) return {row.left.slope, row.left.drop, foot_slope_sigma(row.left, 1.0, wander)};
   if (side == Side::right)
-    return {row.right, row.right_drop, foot_slope_sigma(row.right, row.right_drop, -1.0, wander)};
+    return {row.right.slope, row.right.drop, foot_slope_sigma(row.right, -1.0, wander)};
   // A detector's "middle" may be that of the visible green or that of the top; the model takes the first and
   // allows for the second.
-  const double visible = 0.5 * (row.left + row.right);
+  const double visible = 0.5 * (row.left.slope + row.right.slope);
   return {visible, height, 0.5 * std::abs(visible - top_centre)};
 }
 
@@ -141,13 +140,14 @@ Eigen::MatrixXd intrinsics_jacobian(const ShotSystem& system, const ShotVector& 
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(system.block_residuals(), parameters);
   int at = 0;
   for (const WeightedBlock& block : system.blocks) {
-    const VisibleRow<double> row = visible_row(x.data(), x.data() + kPoseSize, block.rows.row);
     Eigen::MatrixXd raw = Eigen::MatrixXd::Zero(block.rows.residuals(), parameters);
     for (int i = 0; i < block.rows.residuals(); ++i) {
       const EdgeLine& line = block.rows.lines[static_cast<std::size_t>(i / 2)];
-      const Vector3<double> l = line_at(axes, slope_of(row, line.side));
+      const Eigen::Vector2d& p = line.points[i % 2];
+      const Vector3<double> l =
+          line_at(axes, slope_at(axes, x.data(), x.data() + kPoseSize, block.rows.row, line.side, p));
       const Eigen::RowVector2d normal = Eigen::RowVector2d(l.x, l.y) / std::hypot(l.x, l.y);
-      const auto projection = camera::project_with_jacobians(camera, line.points[i % 2].homogeneous());
+      const auto projection = camera::project_with_jacobians(camera, p.homogeneous());
       if (!projection) continue;
       // The pixel stays; the point on the unit plane moves against the intrinsics.
       raw.row(i) = -normal * Eigen::Matrix2d(projection->d_point.leftCols<2>()).inverse() *

@@ -45,8 +45,8 @@ void row_residuals(const RowBlock& block, const T* pose, const T* farm, T* raw, 
   for (std::size_t i = 0; i < block.lines.size(); ++i) {
     for (std::size_t j = 0; j < 2; ++j) {
       const Eigen::Vector2d& p = block.lines[i].points[j];
-      const VisibleRow<T> row = visible_row(pose, farm, block.row, swell_at(axes, farm, p));
-      raw[2 * i + j] = distance(line_at(axes, slope_of(row, block.lines[i].side)), p, zoom);
+      const T slope = slope_at(axes, pose, farm, block.row, block.lines[i].side, p);
+      raw[2 * i + j] = distance(line_at(axes, slope), p, zoom);
     }
   }
 }

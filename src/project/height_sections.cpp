@@ -23,6 +23,7 @@ std::string quantity_words(const std::string& name) {
       {"foliage_depth", "the depth of the foliage"},
       {"base_ratio", "how wide the rows are at their foot"},
       {"rounding", "how round the tops of the rows are"},
+      {"softness", "how gradually the canopy thins out at its edge"},
       {"pitch_bias", "the bias of the gimbal's pitch"},
       {"roll_bias", "the bias of the gimbal's roll"},
       {"terrain_slope", "the mean slope of the ground"},

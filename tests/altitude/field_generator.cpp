@@ -12,9 +12,10 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kRowStepPx = 10.0;
 
-/// One long edge of a prism: lateral offset and drop below the camera.
+/// One long edge of a prism: lateral offset and drop below the camera, and which way is out of the canopy.
 struct LongEdge {
   double y = 0.0, drop = 0.0;
+  double out_y = 0.0, out_down = 0.0;
 };
 
 struct Scene {
@@ -27,7 +28,11 @@ struct Scene {
 std::optional<Eigen::Vector2d> pixel_at(const Scene& scene, const LongEdge& edge, double phi) {
   const double x = edge.drop * std::tan(phi);
   const double y = edge.y + 0.5 * scene.world.curvature_per_m * x * x;
-  return camera::project(scene.camera, scene.cam_from_row * Eigen::Vector3d(x, y, -edge.drop));
+  // A path that slants along the row is longer by 1 / cos of its angle to the cross-section.
+  const double longer = std::hypot(x, y, edge.drop) / std::hypot(y, edge.drop);
+  const double out = scene.world.softness_m * std::log(longer);
+  const Eigen::Vector3d point(x, y + out * edge.out_y, -edge.drop - out * edge.out_down);
+  return camera::project(scene.camera, scene.cam_from_row * point);
 }
 
 /// How far below picture row v the edge is at phi; nothing behind the camera.
@@ -101,11 +106,12 @@ std::vector<LongEdge> cross_section(const World& world, const Noise& noise, doub
                                     double grow_right, base::Random& random) {
   constexpr int kChords = 12;
   const double h = world.height_above_canopy_m, w = world.half_width_m, r = world.rounding_m;
-  std::vector<LongEdge> corners = {{y + w + grow_left, h + r}, {y - w - grow_right, h + r}};
+  std::vector<LongEdge> corners = {{y + w + grow_left, h + r, 1.0, r > 0.0 ? 0.0 : -1.0},
+                                   {y - w - grow_right, h + r, -1.0, r > 0.0 ? 0.0 : -1.0}};
   for (int i = 1; r > 0.0 && i < kChords; ++i) {
     const double angle = geom::kPi * i / kChords, half = w * std::cos(angle);
     const double share = half / w, grow = share > 0.0 ? share * grow_left : share * grow_right;
-    corners.push_back({y + half + grow, h + r - r * std::sin(angle)});
+    corners.push_back({y + half + grow, h + r - r * std::sin(angle), std::cos(angle), -std::sin(angle)});
   }
   const auto foot = [&](double shown) {
     shown = noise.foot_anywhere ? shown * random.uniform(0.0, 1.0) : shown;
@@ -114,8 +120,8 @@ std::vector<LongEdge> cross_section(const World& world, const Noise& noise, doub
     return LongEdge{w + down * (world.base_half_width_m - w), h + depth};
   };
   const LongEdge left = foot(world.left_wall_shown), right = foot(world.right_wall_shown);
-  corners.push_back({y + left.y + grow_left, left.drop});
-  corners.push_back({y - right.y - grow_right, right.drop});
+  corners.push_back({y + left.y + grow_left, left.drop, 1.0});
+  corners.push_back({y - right.y - grow_right, right.drop, -1.0});
   return corners;
 }
 
@@ -233,6 +239,7 @@ FieldKnowledge knowledge_of(const World& world, double relative_sigma) {
   field.row_height_m = {1.7, 0.05, 1};
   field.outline_rise_m = {0.0, 0.0, 1};  // rows end where they end
   field.rounding_m = known(world.rounding_m);
+  field.softness_m = known(world.softness_m);
   field.foliage_depth_m = known(world.foliage_depth_m);
   field.base_width_ratio = known(world.base_half_width_m / world.half_width_m);
   return field;

@@ -25,6 +25,9 @@ struct World {
   double base_half_width_m = 0.6;
   double foliage_depth_m = 1.0;
   double rounding_m = 0.0;  ///< the top is half an ellipse of this depth, 0 for a flat one
+  /// Leaves thin out over this length at the edge of the canopy: its outline moves outwards by it where a
+  /// line of sight meets e times as many of them.
+  double softness_m = 0.0;
   /// How much of the walls' depth shows on the left and on the right of a row: in shade, leaves pass for
   /// soil.
   double left_wall_shown = 1.0, right_wall_shown = 1.0;
@@ -43,8 +46,9 @@ struct Noise {
   /// A row's far edge is seen against the next row's leaves; else only against soil, as by a detector of
   /// green.
   bool leaf_against_leaf = true;
-  /// Far edges of tops that stand against leaves and are not told otherwise are told by their light on the three
-  /// rows to each side, with one error for a row of this sigma, px along the picture row; 0: not at all.
+  /// Far edges of tops that stand against leaves and are not told otherwise are told by their light on the
+  /// three rows to each side, with one error for a row of this sigma, px along the picture row; 0: not at
+  /// all.
   double top_sigma_px = 0.0;
 };
 

@@ -44,6 +44,8 @@ Trial draw(const Case& c, base::Random& random) {
   t.world.foliage_depth_m = random.uniform(0.0, 1.7);
   t.world.rounding_m =
       kRoundingPerHalfWidth * t.world.half_width_m * std::exp(random.normal(0.0, kLogRoundingSigma));
+  t.world.softness_m =
+      kSoftnessPerHalfWidth * t.world.half_width_m * std::exp(random.normal(0.0, kLogSoftnessSigma));
   t.field.row_spacing_m = drawn(3.0, 0.03, random);
   t.field.half_width_m = drawn(t.world.half_width_m, 0.06, random);
   t.field.row_height_m = {1.7, 0.05, 1};

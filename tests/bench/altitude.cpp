@@ -200,6 +200,8 @@ void generated(const Condition& c, int flights) {
   Generated last;
   for (int i = 0; i < flights; ++i) {
     altitude::testing::World world;
+    world.softness_m = altitude::kSoftnessPerHalfWidth * world.half_width_m *
+                       std::exp(random.normal(0.0, altitude::kLogSoftnessSigma));
     world.rounding_m = altitude::kRoundingPerHalfWidth * world.half_width_m *
                        std::exp(random.normal(0.0, altitude::kLogRoundingSigma));
     const altitude::FieldKnowledge field = drawn_farm(world, random);
@@ -262,8 +264,10 @@ int simulated(const std::filesystem::path& folder) {
 int main(int argc, char** argv) {
   constexpr int kFlights = 84;  // of 12 shots: 1,008 a condition
   std::printf(
-      "generated rows in flights of 12: tops of any rounding, 2 px edges correlated 0.7 against soil, 3 px tops "
-      "against\nleaves, 3 cm plants, feet of walls anywhere, pitch log +0.7 deg, spacing known to 1 %%; height without "
+      "generated rows in flights of 12: tops of any rounding, 2 px edges correlated 0.7 against soil, 3 px "
+      "tops "
+      "against\nleaves, 3 cm plants, feet of walls anywhere, pitch log +0.7 deg, spacing known to 1 %%; "
+      "height without "
       "the\nspacing's own error, coverage with it\n"
       "%-30s shots  answer  height    pitch bias  cross     1 s    2 s     a shot\n",
       "");
