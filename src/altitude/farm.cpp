@@ -105,9 +105,10 @@ Estimate outline_rise(const FieldKnowledge& field, const CanopyShape& shape) {
   // The mean height of half an ellipse of depth r is pi/4 r (eq. 8.8).
   const double over_mean_m = (1.0 - geom::kPi / 4.0) * shape.rounding_m;
   const double w = shape.half_width_m;
-  const double soft = std::min(1.0, shape.softness_m / (kSoftPerHalfWidth * w));
-  return {kOutlineRisePerHalfWidth * w + over_mean_m,
-          std::lerp(kFirmOutlineRiseSigmaPerHalfWidth, kOutlineRiseSigmaPerHalfWidth, soft) * w, 0};
+  const double sigma_m =
+      std::min(kFirmOutlineRiseSigmaPerHalfWidth * w + kOutlineRiseSigmaPerSoftness * shape.softness_m,
+               kMostOutlineRiseSigmaPerHalfWidth * w);
+  return {kOutlineRisePerHalfWidth * w + over_mean_m, sigma_m, 0};
 }
 
 Estimate log_rounding(const FieldKnowledge& field, double half_width_m) {

@@ -24,7 +24,7 @@ struct FieldKnowledge {
   /// How far the outline's highest point lies above the top that row_height_m names: a picture shows the
   /// outline. 0 for smooth boxes, near 0 where row_height_m names the highest leaves, most where it names the
   /// mean of the leaves first hit from above. Unusable: what the rounding makes and kOutlineRisePerHalfWidth,
-  /// +- kOutlineRiseSigmaPerHalfWidth.
+  /// with a sigma by the softness.
   Estimate outline_rise_m;
   /// One-sigma of a row's axis about its nominal place, as a whole along the part a picture shows. NaN:
   /// kPlantingSigmaPerSpacing.
@@ -44,20 +44,25 @@ inline constexpr double kGrowthSigmaPerHalfWidth = 0.05;
 inline constexpr double kRoundingPerHalfWidth = 0.5;
 inline constexpr double kLogRoundingSigma = 0.7;
 
+/// Over rendered plants leaves thinned out over 0.03 to 0.16 half widths, over opaque renders over less than
+/// 0.03 (section 5): 0.05, within a factor of three.
 inline constexpr double kSoftnessPerHalfWidth = 0.05;
 inline constexpr double kLogSoftnessSigma = 1.2;
 
 /// Their highest points lay over the named top by 0.08 half widths where that is the highest leaf, 0.24 in
 /// Furrow's renders, 0.55 where it is the mean of the leaves first hit from above (section 8). Of the middle
 /// one, which is half a width deep, the rounding makes (1 - pi/4) 0.5 = 0.11 and this is the rest, that of
-/// ragged leaves; the sigma is that of anywhere from 0 to 0.6.
+/// ragged leaves.
 inline constexpr double kOutlineRisePerHalfWidth = 0.12;
-inline constexpr double kOutlineRiseSigmaPerHalfWidth = 0.17;
-/// Where the outline hardly swells there is less to call by two names: smooth walls rise by 0, Furrow's
-/// ragged but opaque renders by 0.17. From this softness on it is the sigma above, between them in
-/// proportion.
+/// One-sigma of that: firm outlines rise by 0 (smooth walls) to 0.17 half widths (Furrow's ragged but opaque
+/// renders); where leaves thin out, the highest one and the mean of those first hit lie 5 to 10 times that
+/// length apart; never more than a quarter of the half width.
 inline constexpr double kFirmOutlineRiseSigmaPerHalfWidth = 0.08;
-inline constexpr double kSoftPerHalfWidth = 0.03;
+inline constexpr double kOutlineRiseSigmaPerSoftness = 2.5;
+inline constexpr double kMostOutlineRiseSigmaPerHalfWidth = 0.25;
+/// The same of a canopy of which no picture tells how it thins out.
+inline constexpr double kOutlineRiseSigmaPerHalfWidth =
+    kFirmOutlineRiseSigmaPerHalfWidth + kOutlineRiseSigmaPerSoftness * kSoftnessPerHalfWidth;
 
 /// What the gimbal says about one shot, with one-sigma; unusable values are not known.
 struct AttitudePrior {
