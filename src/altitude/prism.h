@@ -114,7 +114,9 @@ CrossSection<T> cross_section(const T* pose, const T* farm, const T& swell) {
   using std::exp;
   // Lengths enter by their magnitudes: a prior that reaches 0 must not turn the row inside out.
   const T h = exp(pose[kLogHeight]), w = magnitude(farm[kHalfWidth]);
-  return {h - swell, w + swell, w * exp(farm[kRounding]) + swell, share(farm[kBaseRatio]) * w + swell,
+  // A solver's step may make leaves reach beyond the camera.
+  const T s = swell < 0.5 * h ? swell : T(0.5 * h);
+  return {h - s, w + s, w * exp(farm[kRounding]) + s, share(farm[kBaseRatio]) * w + s,
           h + magnitude(farm[kDepth])};
 }
 
@@ -125,7 +127,7 @@ Touch<T> visible_left(const CrossSection<T>& c, const T& y, const T& spacing) {
   Touch<T> edge = top_left(y, c.h, c.w, c.r);
   const T base = (y + c.base_w) / c.base_h;
   if (base > edge.slope) edge = {base, c.base_h};
-  const T beyond = -y - spacing;  // the neighbour's axis to the right of the camera
+  const T beyond = -y - spacing;  // that neighbour's axis, mirrored: its right edge is the one that hides
   if (beyond + c.w <= T(0.0)) return edge;
   const Touch<T> front = top_left(beyond, c.h, c.w, c.r);
   return edge.slope > -front.slope ? Touch<T>{-front.slope, front.drop} : edge;
