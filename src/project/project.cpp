@@ -90,6 +90,10 @@ Status read_telemetry(const Value& value, const std::string& file, const fs::pat
   Fields fields(value, file, "telemetry");
   std::string log;
   fields.optional("file", log);
+  fields.optional("gimbal_pitch_deg", project.gimbal_pitch_deg);
+  fields.require(!(project.gimbal_pitch_deg < -90.0 || project.gimbal_pitch_deg > 0.0), "gimbal_pitch_deg",
+                 base::format_double(project.gimbal_pitch_deg),
+                 "an angle from -90 (straight down) to 0 (the horizon)");
   fields.optional("gimbal_pitch_sigma_deg", project.gimbal_pitch_sigma_deg);
   fields.optional("gimbal_roll_sigma_deg", project.gimbal_roll_sigma_deg);
   for (const auto& [key, sigma] : {std::pair{"gimbal_pitch_sigma_deg", project.gimbal_pitch_sigma_deg},

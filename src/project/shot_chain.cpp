@@ -39,9 +39,10 @@ audit::ShotRecord record_of(const telemetry::Shot& shot, const sync::ShotPose& p
 /// The gimbal's angles as priors. A gimbal holds its roll level, so a log without roll counts as 0.
 altitude::AttitudePrior prior_of(const telemetry::Sample& state, const Project& project) {
   altitude::AttitudePrior prior;
-  if (std::isfinite(state.gimbal_pitch_deg)) {
-    prior.pitch_rad = {deg_to_rad(state.gimbal_pitch_deg), deg_to_rad(project.gimbal_pitch_sigma_deg), 1};
-  }
+  const double pitch_deg =
+      std::isfinite(state.gimbal_pitch_deg) ? state.gimbal_pitch_deg : project.gimbal_pitch_deg;
+  if (std::isfinite(pitch_deg))
+    prior.pitch_rad = {deg_to_rad(pitch_deg), deg_to_rad(project.gimbal_pitch_sigma_deg), 1};
   const double roll_deg = std::isfinite(state.gimbal_roll_deg) ? state.gimbal_roll_deg : 0.0;
   prior.roll_rad = {deg_to_rad(roll_deg), deg_to_rad(project.gimbal_roll_sigma_deg), 1};
   return prior;

@@ -77,6 +77,19 @@ TEST_F(ProjectTest, TheOutlinesRiseMayBeNegativeAndComesWithItsSigma) {
   EXPECT_FALSE(with_rows("outline_rise_m: 0.02, outline_rise_sigma_m: -1").ok());
 }
 
+TEST_F(ProjectTest, APitchThatNobodyLoggedMayBeStated) {
+  const std::string head =
+      "name: f\ncamera: { model: c.yaml }\nshots: { images: a.jpg }\nrows: { spacing_m: 3 }\n";
+  const auto project = read(head + "telemetry: { gimbal_pitch_deg: -60 }\n");
+  ASSERT_TRUE(project.ok()) << project.error().message();
+  EXPECT_EQ(project->gimbal_pitch_deg, -60.0);
+  for (const char* pitch : {"60", "-91"}) {
+    const auto wrong = read(head + "telemetry: { gimbal_pitch_deg: " + pitch + " }\n");
+    ASSERT_FALSE(wrong.ok()) << pitch;
+    EXPECT_NE(wrong.error().message().find("gimbal_pitch_deg"), std::string::npos);
+  }
+}
+
 TEST_F(ProjectTest, ReadsHalfWidthsMeasuredByHand) {
   const auto read_widths = [&](const std::string& csv) {
     EXPECT_TRUE(base::write_file(folder_ / "widths.csv", csv).ok());

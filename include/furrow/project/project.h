@@ -40,6 +40,8 @@ struct Project {
 
   std::vector<std::filesystem::path> images;
   std::optional<std::filesystem::path> telemetry;
+  /// Pitch of shots for which neither log nor picture states one, negative below the horizon; NaN: not known.
+  double gimbal_pitch_deg = std::numeric_limits<double>::quiet_NaN();
   double gimbal_pitch_sigma_deg = 1.0;  ///< how far the gimbal's pitch may be off, one sigma
   double gimbal_roll_sigma_deg = 1.0;   ///< the same for its roll
   /// Of the angle between the rows' plane and level ground
