@@ -296,7 +296,7 @@ std::vector<std::string> words(const follow::Following& f, bool is_metric) {
 
 }  // namespace
 
-Image following_picture(const Image& picture, const rows::RowLines& lines, const follow::Following& following,
+Image following_picture(Image picture, const rows::RowLines& lines, const follow::Following& following,
                         const follow::FollowerOptions& options) {
   const double unit = std::max(1.0, picture.height / 360.0);  // pens and type grow with the picture
   const double u_middle = 0.5 * (picture.width - 1), v_middle = 0.5 * (picture.height - 1);
@@ -325,7 +325,7 @@ Image following_picture(const Image& picture, const rows::RowLines& lines, const
     const double at = 18.0 + 15.0 * static_cast<double>(texts.size());
     texts.push_back({{8.0 * unit, at * unit}, line, 7.5 * unit, rgb(kWhite)});
   }
-  return image::inked(picture, ink, texts);
+  return image::inked(std::move(picture), ink, texts);
 }
 
 }  // namespace furrow::figures

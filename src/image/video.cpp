@@ -20,6 +20,7 @@ extern "C" {
 #include "furrow/base/file.h"
 #include "furrow/base/text.h"
 #include "image/mat.h"
+#include "image/quiet.h"
 
 namespace furrow::image {
 namespace {
@@ -28,13 +29,6 @@ namespace fs = std::filesystem;
 using base::Nanoseconds;
 
 constexpr std::array<const char*, 6> kPictureExtensions = {".jpg", ".jpeg", ".png", ".tif", ".tiff", ".bmp"};
-
-/// Faults come back as errors and sentences; FFmpeg and OpenCV would print them, packet by packet, on
-/// standard error.
-void silence_libraries() {
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-  av_log_set_callback([](void*, int, const char*, va_list) {});
-}
 
 bool is_picture_file(const fs::path& file) {
   const std::string extension = base::to_lower(file.extension().string());
@@ -236,6 +230,11 @@ std::optional<int> camera_number(const std::string& what) {
 
 }  // namespace
 
+void silence_libraries() {
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+  av_log_set_callback([](void*, int, const char*, va_list) {});
+}
+
 std::unique_ptr<PictureSource> open_pictures(std::vector<fs::path> files, const SourceOptions& options) {
   check(options.assumed_rate_hz > 0.0, "open_pictures: the rate must be positive");
   const std::string name = files.empty() ? "" : files.front().parent_path().string();
@@ -267,55 +266,6 @@ Result<std::unique_ptr<PictureSource>> open_source(const std::string& what, cons
   return Error{
       "source_missing", what, "there is no such file, folder or camera",
       "a video, a folder or pattern of pictures, a camera (/dev/video0 or 0) or a stream (rtsp://...)", ""};
-}
-
-struct VideoWriter::Parts {
-  base::PartFile file;
-  cv::VideoWriter writer;
-  cv::Size size;
-};
-
-VideoWriter::VideoWriter(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
-VideoWriter::VideoWriter(VideoWriter&&) noexcept = default;
-VideoWriter& VideoWriter::operator=(VideoWriter&&) noexcept = default;
-VideoWriter::~VideoWriter() = default;
-
-Result<VideoWriter> VideoWriter::create(const fs::path& file, int width, int height, double rate_hz) {
-  check(width > 0 && height > 0 && rate_hz > 0.0, "VideoWriter: size and rate must be positive");
-  silence_libraries();
-  FURROW_TRY(base::PartFile part, base::PartFile::create(file));
-  // Encoders of 4:2:0 want even sizes.
-  const cv::Size size(width + width % 2, height + height % 2);
-  std::vector<int> codes = {cv::VideoWriter::fourcc('M', 'J', 'P', 'G')};
-  if (file.extension() == ".mp4")
-    codes = {cv::VideoWriter::fourcc('a', 'v', 'c', '1'), cv::VideoWriter::fourcc('m', 'p', '4', 'v')};
-  auto parts = std::unique_ptr<Parts>(new Parts{std::move(part), {}, size});
-  for (const int code : codes) {
-    if (parts->writer.open(parts->file.temporary().string(), cv::CAP_FFMPEG, code, rate_hz, size))
-      return VideoWriter(std::move(parts));
-  }
-  return Error{"no_encoder", file.string(), "OpenCV cannot write a video of that kind here",
-               "OpenCV with FFmpeg, and a folder that can be written", ""};
-}
-
-void VideoWriter::add(const Image& picture) {
-  if (picture.empty()) return;
-  cv::Mat bgr;
-  cv::cvtColor(view(picture), bgr, picture.channels == 1 ? cv::COLOR_GRAY2BGR : cv::COLOR_RGB2BGR);
-  if (bgr.size() != parts_->size) {
-    const double scale = std::min({1.0, static_cast<double>(parts_->size.width) / bgr.cols,
-                                   static_cast<double>(parts_->size.height) / bgr.rows});
-    if (scale < 1.0) cv::resize(bgr, bgr, {}, scale, scale, cv::INTER_AREA);
-    cv::Mat framed = cv::Mat::zeros(parts_->size, CV_8UC3);
-    bgr.copyTo(framed(cv::Rect(0, 0, bgr.cols, bgr.rows)));
-    bgr = framed;
-  }
-  parts_->writer.write(bgr);
-}
-
-Status VideoWriter::finish() {
-  parts_->writer.release();
-  return parts_->file.commit();
 }
 
 }  // namespace furrow::image

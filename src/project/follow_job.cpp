@@ -33,13 +33,13 @@ class Sequence {
   }
 
   /// False when the caller wants no more.
-  Result<bool> add(const SeenPicture& seen) {
+  Result<bool> add(SeenPicture seen) {
     following_ = follow::follow_step(following_, seen.sighting, options_->follower);
     count(seen);
     if (sender_) sender_->send(following_);
     const FollowedPicture picture{seen.source.index, seen.source.name, seen.lines.confidence, following_};
     if (by_hand_) by_hand_->add(picture, options_->follower.is_metric);
-    if (files_) FURROW_DO(files_->add(picture, seen));
+    if (files_) FURROW_DO(files_->add(picture, std::move(seen)));
     return !options_->on_picture || options_->on_picture(picture);
   }
 
@@ -114,8 +114,8 @@ Result<FollowOutcome> follow_job(std::unique_ptr<image::PictureSource> source,
   while (goes_on) {
     std::vector<image::TimedPicture> pictures = queue.take(kBatch);
     if (pictures.empty()) break;
-    for (const SeenPicture& seen : look_at(std::move(pictures), lanes, options.threads)) {
-      FURROW_TRY(goes_on, sequence.add(seen));
+    for (SeenPicture& seen : look_at(std::move(pictures), lanes, options.threads)) {
+      FURROW_TRY(goes_on, sequence.add(std::move(seen)));
       if (!goes_on) break;
     }
   }

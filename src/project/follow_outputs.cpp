@@ -159,7 +159,7 @@ void FollowFiles::keep_for_figure(const follow::Following& f) {
   thin(curves_.is_hold);
 }
 
-Status FollowFiles::add(const FollowedPicture& picture, const SeenPicture& seen) {
+Status FollowFiles::add(const FollowedPicture& picture, SeenPicture seen) {
   const base::Value line = followed_value(picture, curves_.is_metric);
   if (csv_.tellp() == 0) csv_ << csv_line(line, true);
   csv_ << csv_line(line, false);
@@ -172,10 +172,9 @@ Status FollowFiles::add(const FollowedPicture& picture, const SeenPicture& seen)
   if (!overlay_) {
     FURROW_TRY(image::VideoWriter writer, image::VideoWriter::create(*options_->out / "overlay.mp4",
                                                                      shown.width, shown.height, rate_hz_));
-    overlay_ = std::move(writer);
+    overlay_ = std::make_unique<OverlayVideo>(std::move(writer), options_->follower);
   }
-  overlay_->add(figures::following_picture(shown, seen.lines, picture.following, options_->follower));
-  return Done{};
+  return overlay_->add({std::move(seen.source.picture), std::move(seen.lines), picture.following});
 }
 
 Result<std::vector<std::string>> FollowFiles::finish() {

@@ -1,6 +1,7 @@
 #pragma once
 #include <deque>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "furrow/follow/mavlink.h"
 #include "furrow/follow/steering_link.h"
 #include "project/follow_chain.h"
+#include "project/overlay_video.h"
 
 namespace furrow::project {
 
@@ -30,7 +32,7 @@ class SteeringSender {
 class FollowFiles {
  public:
   static Result<FollowFiles> create(const FollowJobOptions& options, double nominal_rate_hz);
-  Status add(const FollowedPicture& picture, const SeenPicture& seen);
+  Status add(const FollowedPicture& picture, SeenPicture seen);
   /// Errors: file_unwritable. Returns the names written.
   Result<std::vector<std::string>> finish();
 
@@ -42,7 +44,7 @@ class FollowFiles {
   double rate_hz_;
   base::PartFile csv_file_;
   std::ofstream csv_;
-  std::optional<image::VideoWriter> overlay_;
+  std::unique_ptr<OverlayVideo> overlay_;
   figures::FollowingCurves curves_;
   std::size_t keep_every_ = 1, since_kept_ = 0;
 };

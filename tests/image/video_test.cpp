@@ -1,8 +1,10 @@
 #include "furrow/image/video.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 
 #include "furrow/base/file.h"
@@ -41,7 +43,7 @@ std::vector<TimedPicture> all_of(PictureSource& source) {
 std::string write_video(const fs::path& file, int pictures, double rate_hz) {
   auto writer = VideoWriter::create(file, 64, 48, rate_hz);
   EXPECT_TRUE(writer.ok());
-  for (int i = 0; i < pictures; ++i) writer->add(numbered(i));
+  for (int i = 0; i < pictures; ++i) EXPECT_TRUE(writer->add(numbered(i), base::seconds_to_ns(i / rate_hz)).ok());
   EXPECT_FALSE(fs::exists(file));
   EXPECT_TRUE(writer->finish().ok());
   return file.string();
@@ -54,7 +56,7 @@ std::string said(const PictureSource& source) {
 }
 
 TEST_F(Video, PicturesComeInOrderWithTheirTimes) {
-  for (const char* name : {"a.avi", "a.mp4"}) {
+  for (const char* name : {"a.mkv", "a.mp4"}) {
     const auto source = open_source(write_video(folder / name, 12, 25.0));
     ASSERT_TRUE(source.ok()) << name;
     EXPECT_EQ((*source)->info().kind, SourceKind::video);
@@ -70,6 +72,49 @@ TEST_F(Video, PicturesComeInOrderWithTheirTimes) {
     EXPECT_EQ(pictures[3].name, "picture 4");
     EXPECT_EQ(said(**source), "") << name;
   }
+}
+
+TEST_F(Video, PicturesKeepTheTimesTheyWereWrittenWith) {
+  constexpr int kHeldBack = 16;  // the last pictures come out of a decoder without their times
+  for (const char* name : {"vfr.mkv", "vfr.mp4"}) {
+    auto writer = VideoWriter::create(folder / name, 64, 48, 25.0);
+    ASSERT_TRUE(writer.ok());
+    std::vector<double> times_s = {0.0};
+    for (int i = 0; i < 40; ++i) {
+      ASSERT_TRUE(writer->add(numbered(i % 20), base::seconds_to_ns(times_s.back())).ok());
+      times_s.push_back(times_s.back() + (i % 3 == 0 ? 0.3 : 0.03));
+    }
+    ASSERT_TRUE(writer->finish().ok());
+    const auto source = open_source((folder / name).string());
+    ASSERT_TRUE(source.ok());
+    const auto read = all_of(**source);
+    ASSERT_EQ(read.size(), 40U) << name;
+    for (std::size_t i = 0; i + kHeldBack < 40; ++i)
+      EXPECT_NEAR(base::ns_to_seconds(read[i].t_video_ns), times_s[i], 1e-3) << name << i;
+  }
+}
+
+// A limit on the size of files stands for a full disk.
+TEST_F(Video, AFullDiskIsSaid) {
+  rlimit before{};
+  ::getrlimit(RLIMIT_FSIZE, &before);
+  auto writer = VideoWriter::create(folder / "full.mp4", 320, 240, 25.0);
+  ASSERT_TRUE(writer.ok());
+  const auto old = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{100'000, before.rlim_max};
+  ::setrlimit(RLIMIT_FSIZE, &small);
+  base::Random random(11);
+  Image noise = make_image(320, 240, 3);
+  Status written = Done{};
+  for (int i = 0; i < 50 && written.ok(); ++i) {
+    for (std::uint8_t& value : noise.data) value = static_cast<std::uint8_t>(random.below(256));
+    written = writer->add(noise, base::seconds_to_ns(i / 25.0));
+  }
+  if (written.ok()) written = writer->finish();
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, old);
+  ASSERT_FALSE(written.ok());
+  EXPECT_EQ(written.error().code, "file_unwritable");
 }
 
 TEST_F(Video, TheContainersOwnTimesAreTaken) {
@@ -99,9 +144,9 @@ TEST_F(Video, TimesThatStandStillAreMadeUpAndSaid) {
 }
 
 TEST_F(Video, AVideoCutShortGivesWhatItHasAndSaysSo) {
-  const std::string whole = base::read_file(write_video(folder / "a.avi", 40, 25.0)).value();
-  ASSERT_TRUE(base::write_file(folder / "cut.avi", whole.substr(0, whole.size() / 2)).ok());
-  const auto source = open_source((folder / "cut.avi").string());
+  const std::string whole = base::read_file(write_video(folder / "a.mkv", 40, 25.0)).value();
+  ASSERT_TRUE(base::write_file(folder / "cut.mkv", whole.substr(0, whole.size() / 2)).ok());
+  const auto source = open_source((folder / "cut.mkv").string());
   ASSERT_TRUE(source.ok());
   const auto read = all_of(**source);
   EXPECT_GT(read.size(), 5U);
@@ -113,7 +158,7 @@ TEST_F(Video, AVideoCutShortGivesWhatItHasAndSaysSo) {
 // Whatever happens to the bytes: pictures or an error, and an end.
 TEST_F(Video, CutAndFlippedFilesEnd) {
   base::Random random(7);
-  for (const char* name : {"a.avi", "a.mp4"}) {
+  for (const char* name : {"a.mkv", "a.mp4"}) {
     const std::string whole = base::read_file(write_video(folder / name, 8, 25.0)).value();
     for (int trial = 0; trial < 40; ++trial) {
       std::string bytes =
@@ -174,7 +219,7 @@ TEST_F(Video, AnUnfinishedVideoLeavesNothing) {
   {
     auto writer = VideoWriter::create(folder / "half.mp4", 64, 48, 25.0);
     ASSERT_TRUE(writer.ok());
-    writer->add(numbered(1));
+    EXPECT_TRUE(writer->add(numbered(1), 0).ok());
   }
   EXPECT_TRUE(fs::is_empty(folder));
 }
@@ -185,13 +230,13 @@ TEST_F(Video, TheSamePicturesGiveTheSameBytes) {
 }
 
 TEST_F(Video, APictureOfAnotherSizeIsFittedIn) {
-  auto writer = VideoWriter::create(folder / "mixed.avi", 65, 47, 25.0);
+  auto writer = VideoWriter::create(folder / "mixed.mkv", 65, 47, 25.0);
   ASSERT_TRUE(writer.ok());
-  writer->add(numbered(3));
-  writer->add(numbered(3, 640, 100));
-  writer->add(numbered(3, 10, 10));
+  EXPECT_TRUE(writer->add(numbered(3), 0).ok());
+  EXPECT_TRUE(writer->add(numbered(3, 640, 100), base::seconds_to_ns(0.04)).ok());
+  EXPECT_TRUE(writer->add(numbered(3, 10, 10), base::seconds_to_ns(0.08)).ok());
   ASSERT_TRUE(writer->finish().ok());
-  const auto source = open_source((folder / "mixed.avi").string());
+  const auto source = open_source((folder / "mixed.mkv").string());
   ASSERT_TRUE(source.ok());
   EXPECT_EQ(all_of(**source).size(), 3U);
 }

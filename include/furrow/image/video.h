@@ -63,18 +63,20 @@ Result<std::unique_ptr<PictureSource>> open_source(const std::string& what,
 std::unique_ptr<PictureSource> open_pictures(std::vector<std::filesystem::path> files,
                                              const SourceOptions& options = {});
 
-/// Writes a video of one size at a constant rate: H.264 or MPEG-4 for .mp4, Motion JPEG for .avi. It gets its
-/// name at finish() only.
+/// Writes a video of one size, each picture at its own time: H.264 (MPEG-4 where FFmpeg lacks x264) in .mp4 or
+/// .mkv. One thread encodes, so that the same pictures give the same bytes. It gets its name at finish() only.
 class VideoWriter {
  public:
-  /// Errors: file_unwritable, no_encoder (OpenCV has none for that extension).
+  /// `rate_hz` says how long the last picture stays, and where a player may jump to. Errors: file_unwritable,
+  /// no_encoder (FFmpeg has none for that extension).
   static Result<VideoWriter> create(const std::filesystem::path& file, int width, int height, double rate_hz);
   VideoWriter(VideoWriter&&) noexcept;
   VideoWriter& operator=(VideoWriter&&) noexcept;
   ~VideoWriter();
 
-  /// A picture of another size is fitted into the video's with black borders.
-  void add(const Image& picture);
+  /// A picture that shows from `t_ns` on, later than the one before. One of another size is fitted into the
+  /// video's with black borders. Errors: file_unwritable (the disk is full).
+  Status add(const Image& picture, base::Nanoseconds t_ns);
   /// Errors: file_unwritable.
   Status finish();
 
