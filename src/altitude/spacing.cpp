@@ -165,6 +165,16 @@ std::vector<EdgeLine> prefer_edges(const std::vector<EdgeLine>& lines) {
   return distinct_rows(edges) >= 2 ? edges : lines;
 }
 
+/// Of a row alone: its two edges where both are clear; its middle says no more than they do.
+std::vector<EdgeLine> single_row_lines(const std::vector<EdgeLine>& lines) {
+  constexpr int kGlimpse = 6;  // samples
+  std::vector<EdgeLine> edges;
+  for (const EdgeLine& line : lines) {
+    if (line.side != Side::centre && line.samples >= kGlimpse) edges.push_back(line);
+  }
+  return edges.size() == 2 ? edges : lines;
+}
+
 /// Lines that the pencil's model holds for: far edges and centres; near edges too when fewer than two rows
 /// are left without them.
 std::vector<EdgeLine> pencil_lines(const std::vector<EdgeLine>& lines, const RowAxes<double>& axes) {
@@ -235,9 +245,16 @@ std::vector<double> slope_steps(const std::vector<double>& places, const std::ve
   return steps;
 }
 
+/// b of a row alone whose half width is `ratio` spacings; as high as a spacing where its edges are not seen.
+double step_by_width(const std::vector<EdgeLine>& lines, const std::vector<double>& slopes, double ratio) {
+  if (lines.size() != 2 || !(lines[0].reach * lines[1].reach < 0.0)) return -1.0;
+  const double width = (slopes[0] - slopes[1]) / (lines[0].reach - lines[1].reach);
+  return width > 0.0 ? -width / ratio : -1.0;
+}
+
 /// Straight line through slopes over row index by medians (Theil and Sen), so that rows with a wrong index do
 /// not matter: the start of a and b. Neighbours first, since a detector that miscounts does so over a gap.
-/// With g = -ratio b: slope = a + b (k - ratio * reach).
+/// With g = -ratio b: slope = a + b (k - ratio * reach). A row alone tells b by its width only.
 void start_slopes(const std::vector<EdgeLine>& lines, const RowAxes<double>& axes, double ratio,
                   PencilVector& x) {
   std::vector<double> places, slopes, offsets;
@@ -247,7 +264,7 @@ void start_slopes(const std::vector<EdgeLine>& lines, const RowAxes<double>& axe
   }
   std::vector<double> steps = slope_steps(places, slopes, lines, 1);
   if (steps.empty()) steps = slope_steps(places, slopes, lines, std::numeric_limits<int>::max());
-  x[kPencilB] = stats::median(steps);
+  x[kPencilB] = steps.empty() ? step_by_width(lines, slopes, ratio) : stats::median(steps);
   for (std::size_t i = 0; i < lines.size(); ++i) offsets.push_back(slopes[i] - x[kPencilB] * places[i]);
   x[kPencilA] = stats::median(offsets);
   x[kPencilG] = -ratio * x[kPencilB];
@@ -323,7 +340,13 @@ std::vector<PencilBlock> whitened_blocks(const std::vector<EdgeLine>& lines, con
   return blocks;
 }
 
-std::vector<PencilPrior> pencil_priors(const GimbalPrior& prior, bool parallel, const RelativeFarm& farm,
+/// What the picture leaves open: the pitch where rows are parallel or alone, and then b, which a row alone hardly
+/// tells and nobody asks of it.
+struct OpenParts {
+  bool pitch = false, step = false;
+};
+
+std::vector<PencilPrior> pencil_priors(const GimbalPrior& prior, const OpenParts& open, const RelativeFarm& farm,
                                        double b) {
   std::vector<PencilPrior> priors(2);
   priors[0].coefficients[kPencilLambda] = 1.0;
@@ -333,21 +356,28 @@ std::vector<PencilPrior> pencil_priors(const GimbalPrior& prior, bool parallel, 
   priors[1].coefficients[kPencilG] = 1.0;
   priors[1].coefficients[kPencilB] = farm.width_ratio.value;
   priors[1].sigma = farm.width_ratio.sigma * std::abs(b);
-  if (parallel) {
+  if (open.pitch) {
     PencilPrior pitch;
     pitch.coefficients[kPencilTheta] = 1.0;
     pitch.value = prior.theta.value;
     pitch.sigma = prior.theta.sigma;
     priors.push_back(pitch);
   }
+  if (open.step) {
+    PencilPrior step;
+    step.coefficients[kPencilB] = 1.0;
+    step.value = b;
+    step.sigma = std::abs(b);
+    priors.push_back(step);
+  }
   return priors;
 }
 
 /// Weighted adjustment of the pencil from its start; covariance from the normal equations.
-Status adjust(const std::vector<EdgeLine>& lines, const GimbalPrior& prior, bool parallel,
+Status adjust(const std::vector<EdgeLine>& lines, const GimbalPrior& prior, const OpenParts& open,
               const RelativeFarm& farm, Pencil& pencil) {
   const std::vector<PencilBlock> blocks = whitened_blocks(lines, pencil.value, farm.wander);
-  const std::vector<PencilPrior> priors = pencil_priors(prior, parallel, farm, pencil.value[kPencilB]);
+  const std::vector<PencilPrior> priors = pencil_priors(prior, open, farm, pencil.value[kPencilB]);
   PencilResidual residual{&blocks, &priors};
   using Function = ceres::TinySolverAutoDiffFunction<PencilResidual, Eigen::Dynamic, kPencilSize>;
   Function function(residual);
@@ -371,19 +401,20 @@ Status adjust(const std::vector<EdgeLine>& lines, const GimbalPrior& prior, bool
 }
 
 /// Adds to the covariance what the tops' depth, shallower by a sigma, does to the pencil (eq. 3.9).
-Status add_top_depth(std::vector<EdgeLine> lines, const GimbalPrior& prior, bool parallel,
+Status add_top_depth(std::vector<EdgeLine> lines, const GimbalPrior& prior, const OpenParts& open,
                      const RelativeFarm& farm, Pencil& pencil) {
   const GimbalAngles angles = pencil.angles();
   set_reaches(lines, row_axes(angles.theta, angles.lambda, angles.psi),
               std::exp(farm.log_top_depth.value - farm.log_top_depth.sigma));
   Pencil flatter = pencil;
-  FURROW_DO(adjust(lines, prior, parallel, farm, flatter));
+  FURROW_DO(adjust(lines, prior, open, farm, flatter));
   const PencilVector moved = flatter.value - pencil.value;
   pencil.covariance += moved * moved.transpose();
   return Done{};
 }
 
-Result<std::vector<EdgeLine>> usable_lines(const RowsOnUnitPlane& rows) {
+/// `may_be_one`: a row alone, row 0, will do.
+Result<std::vector<EdgeLine>> usable_lines(const RowsOnUnitPlane& rows, bool may_be_one) {
   for (const RowsOnUnitPlane::Row& row : rows.rows) {
     for (const RowDirection& d : row.directions) {
       if (!d.centre.allFinite() || !std::isfinite(d.sigma)) {
@@ -396,11 +427,13 @@ Result<std::vector<EdgeLine>> usable_lines(const RowsOnUnitPlane& rows) {
   std::vector<EdgeLine> lines = prefer_edges(reduce_to_lines(rows));
   const int distinct = distinct_rows(lines);
   if (distinct >= 2) return lines;
+  if (may_be_one && rows.rows.size() == 1 && distinct == 1 && lines.front().row == 0)
+    return single_row_lines(lines);
   const bool shared = rows.rows.size() >= 2 && !lines.empty();
   if (shared)
     return degenerate("ill_conditioned", "all rows share one index", "two or more rows that differ in index");
   return degenerate("not_enough_rows", std::to_string(distinct) + " row with two or more samples",
-                    "two or more rows");
+                    may_be_one ? "two or more rows, or one and the gimbal's pitch" : "two or more rows");
 }
 
 }  // namespace
@@ -422,11 +455,12 @@ Result<GimbalPrior> gimbal_prior(const AttitudePrior& prior) {
 }
 
 Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
-                          const AttitudePrior& prior) {
+                          const AttitudePrior& prior, int least_rows) {
   FURROW_TRY(const GimbalPrior gimbal, gimbal_prior(prior));
-  FURROW_TRY(std::vector<EdgeLine> lines, usable_lines(rows));
+  FURROW_TRY(std::vector<EdgeLine> lines, usable_lines(rows, least_rows < 2 && gimbal.theta.usable()));
+  const bool is_alone = distinct_rows(lines) < 2;
   const RowDirectionFit direction = fit_direction(lines);
-  const bool parallel = direction.pitch_sigma > kParallelPitchSigma;
+  const bool parallel = is_alone || direction.pitch_sigma > kParallelPitchSigma;
   if (parallel && !gimbal.theta.usable()) {
     return degenerate("no_pitch", "rows that are parallel in the picture, and no pitch prior",
                       "a pitch from the gimbal");
@@ -439,7 +473,8 @@ Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& fie
   }
   const RowAxes<double> axes = row_axes(start.theta, start.lambda, start.psi);
   std::erase_if(lines, [&](const EdgeLine& line) { return !below_horizon(axes, line); });
-  if (distinct_rows(lines) < 2) {
+  const int needed = is_alone ? 1 : 2;
+  if (distinct_rows(lines) < needed) {
     return degenerate("camera_along_horizon", "fewer than two rows below the horizon of the rows' plane",
                       "a camera that looks down on the rows");
   }
@@ -456,45 +491,137 @@ Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& fie
   std::erase_if(lines, misplaced);
   std::erase_if(tops, misplaced);
   pencil.rows_left_out = rows_before - distinct_rows(lines);
-  if (distinct_rows(tops) < 2) {
+  pencil.rows = distinct_rows(tops);
+  if (pencil.rows < needed) {
     return degenerate("ill_conditioned", "rows that fit no set of equally spaced lines",
                       "rows in order from left to right");
   }
-  FURROW_DO(adjust(tops, gimbal, parallel, farm, pencil));
-  FURROW_DO(add_top_depth(tops, gimbal, parallel, farm, pencil));
+  const OpenParts open{parallel, is_alone};
+  FURROW_DO(adjust(tops, gimbal, open, farm, pencil));
+  FURROW_DO(add_top_depth(tops, gimbal, open, farm, pencil));
   pencil.blocks = group_by_row(lines);
   for (const EdgeLine& line : tops) pencil.observations += line.samples;
   return pencil;
 }
 
-Result<SpacingHeight> from_spacing(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
-                                   const AttitudePrior& prior) {
-  FURROW_TRY(const Pencil pencil, fit_pencil(rows, field, prior));
+namespace {
+
+/// Places in Scale's vector.
+constexpr int kA = 0, kB = 1, kG = 2, kDrop = 3, kRise = 4;
+using ScaleVector = Eigen::Matrix<double, 5, 1>;
+
+/// The pencil in metres: a, b, g, drop to the rows' outline, and the outline's rise over the named top (eq. 3.10).
+struct Scale {
+  ScaleVector value = ScaleVector::Zero();
+  Eigen::Matrix<double, 5, 5> covariance = Eigen::Matrix<double, 5, 5>::Zero();
+
+  double covariance_of(const ScaleVector& one, const ScaleVector& other) const {
+    return one.dot(covariance * other);
+  }
+  double sigma_of(const ScaleVector& gradient) const {
+    return std::sqrt(std::max(0.0, covariance_of(gradient, gradient)));
+  }
+  /// The drop as what `gradient` of the others and an independent sigma make it.
+  void set_drop(double drop, const ScaleVector& gradient, double sigma) {
+    value[kDrop] = drop;
+    covariance.row(kDrop) = (covariance * gradient).transpose();
+    covariance.col(kDrop) = covariance.row(kDrop).transpose();
+    covariance(kDrop, kDrop) = covariance_of(gradient, gradient) + sigma * sigma;
+  }
+  /// One more independent measurement that differs from the value by `misfit` (eq. 3.11).
+  void measure(const ScaleVector& gradient, double misfit, double sigma) {
+    const ScaleVector shared = covariance * gradient;
+    const double variance = gradient.dot(shared) + sigma * sigma;
+    value += shared * (misfit / variance);
+    covariance -= shared * shared.transpose() / variance;
+  }
+};
+
+ScaleVector unit(int place) {
+  return ScaleVector::Unit(place);
+}
+
+Estimate rise_at(const FieldKnowledge& field, double half_width) {
+  const auto part = [&](const Estimate& log_part) { return half_width * std::exp(log_part.value); };
+  return outline_rise(
+      field, {half_width, part(log_rounding(field, half_width)), part(log_softness(field, half_width))});
+}
+
+/// Nothing where no metres are known, or those that are leave the camera under the rows.
+std::optional<Scale> scale_of(const Pencil& pencil, const FieldKnowledge& field, const Estimate& height) {
+  Scale s;
+  s.value.head<3>() = pencil.value.segment<3>(kPencilA);
+  s.covariance.topLeftCorner<3, 3>() = pencil.covariance.block<3, 3>(kPencilA, kPencilA);
+  const double b = s.value[kB], g = s.value[kG];
+  const Estimate &spacing = field.row_spacing_m, &width = field.half_width_m;
+  const bool by_spacing = spacing.usable() && pencil.rows >= 2;
+  const bool by_width = !by_spacing && width.usable() && g > 0.0;
+  if (!by_spacing && !by_width && !height.usable()) return std::nullopt;
+  double drop = by_spacing ? -spacing.value / b : height.usable() ? height.value : width.value / g;
+  Estimate rise = rise_at(field, g * drop);
+  if (!by_spacing && height.usable()) {
+    drop = height.value - rise.value;
+    rise = rise_at(field, g * drop);
+    drop = height.value - rise.value;
+  }
+  if (!(drop > 0.0)) return std::nullopt;
+  s.value[kRise] = rise.value;
+  s.covariance(kRise, kRise) = rise.sigma * rise.sigma;
+  if (by_spacing) {
+    s.set_drop(drop, spacing.value / (b * b) * unit(kB), spacing.sigma / b);
+    if (height.usable()) s.measure(unit(kDrop) + unit(kRise), height.value - drop - rise.value, height.sigma);
+    return s;
+  }
+  if (height.usable()) {
+    s.set_drop(drop, -unit(kRise), height.sigma);
+    if (by_width) s.measure(drop * unit(kG) + g * unit(kDrop), width.value - g * drop, width.sigma);
+    return s;
+  }
+  s.set_drop(drop, -width.value / (g * g) * unit(kG), width.sigma / g);
+  return s;
+}
+
+SpacingHeight in_metres(const Pencil& pencil, const FieldKnowledge& field, const Estimate& height) {
   const geom::Attitude attitude = attitude_from(pencil.angles());
   const Eigen::Matrix3d turn = attitude_jacobian(pencil.angles());
   const Eigen::Matrix3d angles = turn * pencil.covariance.topLeftCorner<3, 3>() * turn.transpose();
-  const double a = pencil.value[kPencilA], b = pencil.value[kPencilB];
-  const Eigen::Matrix2d ab = pencil.covariance.block<2, 2>(kPencilA, kPencilA);
   const int n = pencil.observations;
   SpacingHeight result;
   result.pitch_rad = {attitude.pitch_rad, std::sqrt(angles(0, 0)), n};
   result.yaw_rad = {attitude.yaw_rad, std::sqrt(angles(2, 2)), n};
-  const double over_spacing = -1.0 / b;
-  result.height_over_spacing = {over_spacing, std::sqrt(ab(1, 1)) * over_spacing * over_spacing, n};
-  if (!field.row_spacing_m.usable()) return result;
-  const double s = field.row_spacing_m.value, s_sigma = field.row_spacing_m.sigma;
-  const double half_width = pencil.value[kPencilG] * s * over_spacing;
-  const auto part = [&](const Estimate& log_part) { return half_width * std::exp(log_part.value); };
-  const Estimate rise = outline_rise(
-      field, {half_width, part(log_rounding(field, half_width)), part(log_softness(field, half_width))});
-  result.height_above_canopy_m = {
-      s * over_spacing + rise.value,
-      std::hypot(s * result.height_over_spacing.sigma, over_spacing * s_sigma, rise.sigma), n};
-  // c = a S / b.
-  const Eigen::Vector2d by_ab(s / b, -a * s / (b * b));
-  const double by_s = a / b;
-  result.cross_track_m = {a * s / b, std::sqrt(by_ab.dot(ab * by_ab) + by_s * by_s * s_sigma * s_sigma), n};
+  const double over_spacing = -1.0 / pencil.value[kPencilB];
+  if (pencil.rows >= 2) {
+    const double b_sigma = std::sqrt(pencil.covariance(kPencilB, kPencilB));
+    result.height_over_spacing = {over_spacing, b_sigma * over_spacing * over_spacing, n};
+  }
+  const std::optional<Scale> scale = scale_of(pencil, field, height);
+  if (!scale) return result;
+  const double a = scale->value[kA], b = scale->value[kB], drop = scale->value[kDrop];
+  const ScaleVector to_cross = -drop * unit(kA) - a * unit(kDrop);     // c = -a H
+  const ScaleVector to_spacing = -drop * unit(kB) - b * unit(kDrop);  // S = -b H
+  const ScaleVector to_height = unit(kDrop) + unit(kRise);
+  result.height_above_canopy_m = {drop + scale->value[kRise], scale->sigma_of(to_height), n};
+  result.cross_track_m = {-a * drop, scale->sigma_of(to_cross), n};
+  if (pencil.rows < 2) return result;
+  result.row_spacing_m = {-b * drop, scale->sigma_of(to_spacing), n};
+  result.cross_track_spacing_covariance_m2 = scale->covariance_of(to_cross, to_spacing);
   return result;
+}
+
+}  // namespace
+
+Result<SpacingHeight> from_spacing(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
+                                   const AttitudePrior& prior) {
+  FURROW_TRY(const Pencil pencil, fit_pencil(rows, field, prior));
+  FieldKnowledge known = field;
+  if (!field.row_spacing_m.usable()) known.half_width_m = {};
+  return in_metres(pencil, known, {});
+}
+
+Result<SpacingHeight> from_any_scale(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
+                                     const AttitudePrior& prior, const Estimate& height_above_canopy_m) {
+  FURROW_TRY(const Pencil pencil, fit_pencil(rows, field, prior, 1));
+  return in_metres(pencil, field, height_above_canopy_m);
 }
 
 }  // namespace furrow::altitude

@@ -18,14 +18,16 @@ struct Pencil {
   Eigen::Matrix<double, kPencilSize, kPencilSize> covariance;
   std::vector<RowBlock> blocks;  ///< every line that lies below the horizon, walls included
   int observations = 0;          ///< samples used
+  int rows = 0;                  ///< rows used
   int rows_left_out = 0;         ///< rows that lie where their index says they cannot
 
   GimbalAngles angles() const { return {value[kPencilTheta], value[kPencilLambda], value[kPencilPsi]}; }
 };
 
+/// With `least_rows` 1 a row alone will do where the prior knows the pitch: then b is next to unknown.
 /// Errors: as from_spacing, and rows_across, camera_along_horizon.
-Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
-                          const AttitudePrior& prior);
+Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& field, const AttitudePrior& prior,
+                          int least_rows = 2);
 
 /// The priors on theta and lambda that an AttitudePrior means; unusable parts stay unusable. A roll that is
 /// not known becomes level within kUnknownRollSigma.

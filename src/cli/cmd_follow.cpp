@@ -21,8 +21,8 @@ struct Arguments {
   double rate_hz = 1.0;
   std::string rule = "filtered", method = "field", hold = "row", half_width = "thesis";
   std::string camera, out, by_hand, mavlink;
-  double spacing_m = 0.0, half_width_m = 0.0;
-  std::optional<double> spacing_sigma_m, pitch_deg;
+  double spacing_m = 0.0, half_width_m = 0.0, height_m = 0.0;
+  std::optional<double> spacing_sigma_m, height_sigma_m, pitch_deg;
   double pitch_sigma_deg = 1.0;
   double speed_mps = 0.0;
   bool no_overlay = false, quiet = false;
@@ -41,19 +41,26 @@ Estimate with_default_sigma(double value, const std::optional<double>& sigma, do
 }
 
 Status read_field(const Arguments& arguments, project::FollowJobOptions& options) {
+  const bool has_length = arguments.spacing_m > 0.0 || arguments.height_m > 0.0 || arguments.half_width_m > 0.0;
   if (arguments.camera.empty()) {
-    if (arguments.spacing_m > 0.0 || arguments.pitch_deg)
-      return Error{"bad_usage", "--spacing", "no camera", "--camera FILE beside it: metres need both", ""};
+    if (has_length || arguments.pitch_deg)
+      return Error{"bad_usage", "--spacing, --height", "no camera", "--camera FILE beside it: metres need both", ""};
     return Done{};
   }
-  if (!(arguments.spacing_m > 0.0))
-    return Error{"bad_usage", "--camera", "no row spacing", "--spacing METRES beside it: metres need both",
-                 ""};
+  if (!has_length)
+    return Error{"bad_usage", "--camera", "no length",
+                 "--spacing METRES, --height METRES or --half-width METRES beside it: metres need both", ""};
   FURROW_TRY(options.camera, camera::read_camera(arguments.camera));
   // Gimbals hold their roll level within about a degree.
   options.attitude.roll_rad = {0.0, geom::deg_to_rad(1.0), 1};
-  options.field.row_spacing_m =
-      with_default_sigma(arguments.spacing_m, arguments.spacing_sigma_m, project::kDefaultSpacingSigmaShare);
+  if (arguments.spacing_m > 0.0) {
+    options.field.row_spacing_m =
+        with_default_sigma(arguments.spacing_m, arguments.spacing_sigma_m, project::kDefaultSpacingSigmaShare);
+  }
+  if (arguments.height_m > 0.0) {
+    options.height_above_canopy_m =
+        with_default_sigma(arguments.height_m, arguments.height_sigma_m, project::kDefaultHeightSigmaShare);
+  }
   if (arguments.half_width_m > 0.0) {
     options.field.half_width_m =
         with_default_sigma(arguments.half_width_m, {}, project::kDefaultHalfWidthSigmaShare);
@@ -89,7 +96,7 @@ Result<project::FollowJobOptions> job_options(const Arguments& arguments) {
   if (!arguments.by_hand.empty()) options.by_hand = arguments.by_hand;
   if (!arguments.mavlink.empty()) options.steer_to = arguments.mavlink;
   if (options.steer_to && !options.camera && options.follower.rule != follow::Rule::thesis) {
-    return Error{"bad_usage", "--mavlink", "no way to metres", "--camera and --spacing, or --rule thesis",
+    return Error{"bad_usage", "--mavlink", "no way to metres", "--camera with --spacing or --height, or --rule thesis",
                  "The thesis's rule takes a row to be 0.60 m to each side."};
   }
   options.overlay = !arguments.no_overlay;
@@ -149,9 +156,15 @@ int follow_row(const Arguments& arguments) {
 
 void add_field_options(CLI::App* command, Arguments& arguments) {
   command->add_option("--camera", arguments.camera,
-                      "camera model; with --spacing offsets are metres, else px");
+                      "camera model; with --spacing, --height or --half-width offsets are metres, else px");
   command->add_option("--spacing", arguments.spacing_m, "between rows, m")->check(CLI::PositiveNumber);
   command->add_option("--spacing-sigma", arguments.spacing_sigma_m, "one sigma of it, m (default 2 %)")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--height", arguments.height_m,
+                   "of the camera above the tops of the rows, m, from elsewhere; metres also from a row alone")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--height-sigma", arguments.height_sigma_m, "one sigma of it, m (default 5 %)")
       ->check(CLI::PositiveNumber);
   command->add_option("--half-width", arguments.half_width_m, "of the canopy, m, where known")
       ->check(CLI::PositiveNumber);

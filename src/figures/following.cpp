@@ -267,12 +267,13 @@ std::string signed_fixed(double value, int decimals) {
   return (value < 0.0 ? "" : "+") + base::format_fixed(value, decimals);
 }
 
-/// What steering goes by, as a length on the picture's middle row; metres by the row spacing there.
+/// What steering goes by, as a length on the picture's middle row; metres by the row spacing there, and of a row
+/// alone, which has none, its deviation.
 std::optional<double> steering_px(const follow::Following& f, const follow::FollowerOptions& options) {
   if (options.rule == follow::Rule::thesis) return f.thesis.steer_px;
   const double px_per_unit = f.sighting.place.spacing_px / f.sighting.spacing;
-  if (!f.offset || !std::isfinite(px_per_unit)) return std::nullopt;
-  return f.offset->value * px_per_unit;
+  if (!f.offset) return std::nullopt;
+  return std::isfinite(px_per_unit) ? f.offset->value * px_per_unit : f.sighting.deviation_px;
 }
 
 std::vector<std::string> words(const follow::Following& f, bool is_metric) {

@@ -1,5 +1,6 @@
 #include "furrow/follow/follower.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "furrow/base/text.h"
@@ -67,7 +68,7 @@ void number_rows(Following& now, const FollowerOptions& options) {
   now.event = RowEvent::none;
   now.numbers = next_number(now.numbers, now.sighting.place);
   now.nearest_row = now.numbers.number;
-  if (!now.sighting.place.usable()) return;
+  if (!now.sighting.place.is_seen()) return;
   const FilterOptions filter = offset_filter_options(options, now.width);
   if (!now.nearest_row) {
     now.nearest_row = number_by_prediction(now, filter);
@@ -88,7 +89,9 @@ Estimate offset_of_followed(const Following& now) {
   if (!now.row || !now.nearest_row || !s.offset.usable()) return {};
   const int places = *now.row - *now.nearest_row;
   if (places == 0) return s.offset;
-  return {s.offset.value + places * s.spacing, s.offset.sigma, s.offset.observations};
+  const double variance = s.offset.sigma * s.offset.sigma + 2.0 * places * s.offset_spacing_covariance +
+                          places * places * s.spacing_sigma * s.spacing_sigma;
+  return {s.offset.value + places * s.spacing, std::sqrt(std::max(0.0, variance)), s.offset.observations};
 }
 
 void apply_thesis(Following& now, const FollowerOptions& options) {

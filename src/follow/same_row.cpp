@@ -29,12 +29,14 @@ RowPlace place_of(const rows::RowLines& lines) {
 
 std::optional<int> index_shift(const RowPlace& before, const RowPlace& now) {
   constexpr double kSpacingChange = 0.25, kDoubtful = 0.35;
-  if (!before.usable() || !now.usable() || before.width != now.width || before.height != now.height)
+  if (!before.is_seen() || !now.is_seen() || before.width != now.width || before.height != now.height)
     return std::nullopt;
   if (std::abs(now.spacing_px / before.spacing_px - 1.0) > kSpacingChange) return std::nullopt;
+  const double spacing_px = now.usable() ? now.spacing_px : before.spacing_px;
+  if (!(spacing_px > 0.0)) return 0;
   // Where the old row 0 lies now, as an index of the new rows; rows move less than half a spacing between
   // pictures.
-  const double index = (before.u_px - now.u_px) / now.spacing_px, nearest = std::round(index);
+  const double index = (before.u_px - now.u_px) / spacing_px, nearest = std::round(index);
   if (std::abs(index - nearest) > kDoubtful) return std::nullopt;
   return -static_cast<int>(nearest);
 }
@@ -47,7 +49,7 @@ RowNumbers next_number(const RowNumbers& before, const RowPlace& now, int most_m
   RowNumbers next = before;
   next.number.reset();
   if (next.is_lost) return next;
-  if (!now.usable()) {
+  if (!now.is_seen()) {
     next.missing += next.last_number ? 1 : 0;
     return next;
   }
@@ -57,7 +59,9 @@ RowNumbers next_number(const RowNumbers& before, const RowPlace& now, int most_m
     if (const auto shift = index_shift(next.last, now)) next.number = *next.last_number + *shift;
   }
   next.is_lost = !next.number;
-  if (next.number) next.last = now, next.last_number = next.number, next.missing = 0;
+  if (!next.number) return next;
+  next.last = now, next.last_number = next.number, next.missing = 0;
+  if (!now.usable()) next.last.spacing_px = before.last.spacing_px;  // the neighbours went out of view
   return next;
 }
 

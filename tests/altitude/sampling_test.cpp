@@ -112,5 +112,75 @@ INSTANTIATE_TEST_SUITE_P(Heights, Sampling,
                                            Case{"8 m, -45 deg", 5.5, 7.0, -45.0, 0.6},
                                            Case{"30 m, nadir", 25.0, 32.0, -90.0, 0.6}));
 
+/// What gives the closed form its metres.
+struct Known {
+  const char* name;
+  bool spacing, half_width, height, is_alone;
+};
+
+class ClosedForm : public ::testing::TestWithParam<Known> {};
+
+// Every length alone and together, and a row alone, from 1.3 to 7 m.
+TEST_P(ClosedForm, TruthLiesInsideItsSigmasAsOftenAsClaimed) {
+  const Known k = GetParam();
+  const int shots = k.is_alone ? 300 : 150;
+  const Camera camera = testing::thesis_camera();
+  const Noise noise{.edge_sigma_px = 1.5,
+                    .correlation = 0.6,
+                    .planting_sigma_m = 0.03,
+                    .growth_sigma_m = 0.03,
+                    .foot_anywhere = true};
+  base::Random random(20261127);
+  std::vector<Estimate> cross, heading, to_neighbour;
+  std::vector<double> true_cross, true_heading, true_neighbour;
+  for (int i = 0; i < shots; ++i) {
+    Trial t = draw(i % 2 == 0 ? Case{"", 1.3, 4.3, -20.0, 0.6} : Case{"", 4.0, 7.0, -45.0, 0.6}, random);
+    const Estimate height = drawn(t.world.height_above_canopy_m, 0.15, random);
+    t.world.rows_each_side = k.is_alone ? 0 : 4;
+    if (!k.spacing) t.field.row_spacing_m = {};
+    if (!k.half_width) t.field.half_width_m = {};
+    const auto lines = testing::picture_of(t.world, camera, noise, random.bits());
+    const auto shot = from_any_scale(rows_on_unit_plane(lines, camera).value(), t.field, t.prior,
+                                     k.height ? height : Estimate{});
+    if (!shot.ok() || !shot->cross_track_m.usable()) continue;
+    cross.push_back(shot->cross_track_m), true_cross.push_back(t.world.cross_track_m);
+    heading.push_back(shot->yaw_rad), true_heading.push_back(t.world.attitude.yaw_rad);
+    if (k.is_alone) continue;
+    const double variance = std::pow(shot->cross_track_m.sigma, 2) + 9.0 * std::pow(shot->row_spacing_m.sigma, 2) +
+                            6.0 * shot->cross_track_spacing_covariance_m2;
+    to_neighbour.push_back({shot->cross_track_m.value + 3.0 * shot->row_spacing_m.value, std::sqrt(variance), 1});
+    true_neighbour.push_back(t.world.cross_track_m + 3.0 * t.world.spacing_m);
+  }
+  EXPECT_GE(static_cast<double>(cross.size()), 0.95 * shots);
+  const auto check = [&](const char* what, const std::vector<Estimate>& estimates, const std::vector<double>& truths,
+                         double too_wide = 0.0) {
+    const stats::Coverage coverage = stats::coverage(estimates, truths);
+    double squares = 0.0, sigmas = 0.0;
+    for (std::size_t i = 0; i < truths.size(); ++i) {
+      squares += std::pow(estimates[i].value - truths[i], 2);
+      sigmas += estimates[i].sigma;
+    }
+    const auto n = static_cast<double>(truths.size());
+    std::printf("%-28s %-12s rmse %.4f, mean sigma %.4f, within 1 sigma %.3f, 2 sigma %.3f\n", k.name, what,
+                std::sqrt(squares / n), sigmas / n, coverage.within_1_sigma, coverage.within_2_sigma);
+    const double chance = 2.0 * std::sqrt(0.683 * 0.317 / n);
+    EXPECT_GT(coverage.within_1_sigma, 0.683 - 0.05 - chance) << what;
+    EXPECT_LT(coverage.within_1_sigma, 0.683 + 0.05 + chance + too_wide) << what;
+    EXPECT_NEAR(coverage.within_2_sigma, 0.954, 0.05) << what;
+  };
+  check("cross", cross, true_cross);
+  check("yaw", heading, true_heading, 0.05);
+  if (!k.is_alone) check("third row", to_neighbour, true_neighbour);
+}
+
+INSTANTIATE_TEST_SUITE_P(Lengths, ClosedForm,
+                         ::testing::Values(Known{"spacing", true, true, false, false},
+                                           Known{"height", false, false, true, false},
+                                           Known{"spacing and height", true, true, true, false},
+                                           Known{"half width", false, true, false, false},
+                                           Known{"a row alone, height", false, false, true, true},
+                                           Known{"a row alone, half width", false, true, false, true},
+                                           Known{"a row alone, both", true, true, true, true}));
+
 }  // namespace
 }  // namespace furrow::altitude

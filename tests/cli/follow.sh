@@ -66,7 +66,7 @@ expect_says "no camera answers there"
 expect_exit 2 "$furrow" follow "$out/sim/frames" --spacing 3
 expect_says "--camera FILE beside it"
 expect_exit 2 "$furrow" follow "$out/sim/frames" --camera "$out/sim/camera_true.yaml"
-expect_says "--spacing METRES beside it"
+expect_says "--spacing METRES, --height METRES or --half-width METRES beside it"
 expect_exit 2 "$furrow" follow "$out/sim/frames" --mavlink udp:127.0.0.1:14550
 expect_says "no way to metres"
 expect_exit 2 "$furrow" follow "$out/sim/frames" --rule thesis --mavlink udp:drone:14550

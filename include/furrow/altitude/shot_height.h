@@ -12,13 +12,17 @@
 
 namespace furrow::altitude {
 
-/// Closed form: what the spacing alone tells (docs/formulation.md).
+/// Closed form: what the rows tell with one known length (docs/formulation/altitude.md, section 3).
 struct SpacingHeight {
-  Estimate height_above_canopy_m;  ///< unusable when no spacing is known
-  Estimate height_over_spacing;    ///< the same as a ratio; needs no farm number
+  Estimate height_above_canopy_m;  ///< unusable when no length is known
+  Estimate height_over_spacing;    ///< the same as a ratio; needs no farm number, but two rows
   Estimate pitch_rad;              ///< from the vanishing point
   Estimate yaw_rad;                ///< camera against the rows, positive to the left
-  Estimate cross_track_m;          ///< camera left of row 0, metres; unusable when no spacing is known
+  Estimate cross_track_m;          ///< camera left of row 0, metres; unusable when no length is known
+  /// Between the rows as the picture shows it, with the covariance with cross_track_m: the camera's cross-track
+  /// from row k is cross_track_m + k row_spacing_m. Unusable when no length is known, or of a row alone.
+  Estimate row_spacing_m;
+  double cross_track_spacing_covariance_m2 = 0.0;
 };
 
 /// Needs two or more rows. Takes each row's far edge where edges are given: it is the top's silhouette
@@ -26,6 +30,13 @@ struct SpacingHeight {
 /// nadir). Errors: not_enough_rows, ill_conditioned, no_pitch (parallel rows and no prior).
 Result<SpacingHeight> from_spacing(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
                                    const AttitudePrior& prior);
+
+/// The same with any length that is known: the spacing, a height above the canopy that something else measured (of
+/// the rows' named top, like height_above_canopy_m), half the rows' width; the more the better. A row alone will do
+/// when `prior` knows the pitch; then the spacing tells no metres, and those of a half width alone are as rough as
+/// the row's edges. Nothing in metres is usable when no length is known. Errors: as from_spacing.
+Result<SpacingHeight> from_any_scale(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
+                                     const AttitudePrior& prior, const Estimate& height_above_canopy_m);
 
 /// One cause's share of a height's uncertainty; the squares of all shares add up to the square of the sigma.
 struct SigmaShare {

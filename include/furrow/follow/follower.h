@@ -12,7 +12,7 @@
 /// guidance (docs/formulation/follow.md).
 namespace furrow::follow {
 
-/// What one picture says. "Offset" is the camera's cross-track in metres where camera and row spacing are
+/// What one picture says. "Offset" is the camera's cross-track in metres where the camera and a length are
 /// known, else the thesis's deviation in px: both positive when the row is to the right, so one rule serves
 /// both.
 struct Sighting {
@@ -24,6 +24,8 @@ struct Sighting {
   std::optional<Estimate> half_width_px;                      ///< of row 0
   Estimate offset;                                            ///< from row 0
   double spacing = std::numeric_limits<double>::quiet_NaN();  ///< between rows, in the offset's unit
+  /// Of `spacing`, and its covariance with the offset: what an offset from row k carries besides row 0's.
+  double spacing_sigma = 0.0, offset_spacing_covariance = 0.0;
   Estimate heading_rad;  ///< camera against the rows, positive to the left
 };
 

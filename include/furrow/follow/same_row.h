@@ -10,20 +10,22 @@ namespace furrow::follow {
 /// Where a picture's rows cross its middle row: all that row numbers are kept by.
 struct RowPlace {
   double u_px = std::numeric_limits<double>::quiet_NaN();        ///< of row 0
-  double spacing_px = std::numeric_limits<double>::quiet_NaN();  ///< to its neighbours
+  double spacing_px = std::numeric_limits<double>::quiet_NaN();  ///< to its neighbours, when there are any
   int width = 0, height = 0;                                     ///< of the picture
 
-  bool usable() const { return spacing_px > 0.0 && u_px == u_px; }
+  bool is_seen() const { return u_px == u_px; }
+  bool usable() const { return spacing_px > 0.0 && is_seen(); }
 };
 
-/// Not usable where a picture shows no two neighbouring rows on its middle row.
+/// Not seen where no row crosses the picture's middle row; without a spacing where only one does.
 RowPlace place_of(const rows::RowLines& lines);
 
 /// What to add to the row indices of `now` so that rows keep the numbers they had in `before`, a picture
 /// shortly earlier of the same size: 0 while the followed row stays the nearest to the middle, +1 after the
 /// camera moved over to the row on its right. Nothing when it cannot be told: rows missing in either,
 /// spacings that differ by more than a quarter, or a row about half a spacing away from every other (0.35 to
-/// 0.65).
+/// 0.65). A row alone in one of them goes by the other's spacing; alone in both it is the same: there is no other to
+/// take it for.
 std::optional<int> index_shift(const RowPlace& before, const RowPlace& now);
 std::optional<int> index_shift(const rows::RowLines& before, const rows::RowLines& now);
 

@@ -17,6 +17,8 @@ inline constexpr double kDefaultSpacingSigmaShare = 0.02;
 inline constexpr double kDefaultHalfWidthSigmaShare = 0.15;
 inline constexpr double kDefaultRowHeightSigmaShare = 0.05;
 inline constexpr double kDefaultFoliageDepthSigmaShare = 0.25;
+/// The same for a height above the canopy that something else measured.
+inline constexpr double kDefaultHeightSigmaShare = 0.05;
 
 /// Depth maps of the shots, made by a network or a sensor.
 struct ProjectDepth {
