@@ -37,6 +37,17 @@ expect_exit 0 "$furrow" follow "$out/o1/overlay.mp4"
 expect_says '"offset_px":'
 [ "$(grep -c '^{' "$said")" -eq 8 ] || die "not one line a picture of the video"
 
+# A stream that stops is a camera that went away; a video without its end has no index.
+expect_exit 2 "$furrow" follow "file://$out/o1/overlay.mp4"
+expect_says "the camera gives no more pictures"
+head -c $(($(stat -c %s "$out/o1/overlay.mp4") * 2 / 3)) "$out/o1/overlay.mp4" > "$out/cut.mp4"
+expect_exit 2 "$furrow" follow "$out/cut.mp4"
+expect_says "its beginning or index is missing"
+
+# Metres by a height from elsewhere.
+expect_exit 0 "$furrow" follow "$out/sim/frames" --camera "$out/sim/camera_true.yaml" --height 2.3 --height-sigma 0.2 --pitch -30 --rate 5
+[ "$(grep -c '"cross_track_m":-\?[0-9]' "$said")" -eq 8 ] || die "no cross-track by a height"
+
 # One broken picture, one of another size: a status and a reason, and the rest goes on.
 mkdir -p "$out/mixed" && cp "$out"/sim/frames/*.jpg "$out/mixed" && printf 'broken' > "$out/mixed/shot-0003.jpg"
 expect_exit 0 "$furrow" follow "$out/mixed" --rate 5 --no-overlay --out "$out/m"

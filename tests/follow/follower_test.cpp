@@ -110,6 +110,33 @@ TEST(Follower, OneStrangePictureDoesNotLoseTheRow) {
   EXPECT_EQ(f.count, 0);
 }
 
+TEST(Follower, ARowAloneIsFollowed) {
+  Following f;
+  for (int i = 0; i < 20; ++i) {
+    Sighting s = seen_from(0.2 + 0.01 * i, 0.1 * i);
+    s.place.spacing_px = s.spacing = std::numeric_limits<double>::quiet_NaN();
+    f = follow_step(f, s, {});
+  }
+  EXPECT_EQ(f.row, 0);
+  EXPECT_EQ(f.count, 0);
+  ASSERT_TRUE(f.offset.has_value());
+  EXPECT_NEAR(f.offset->value, 0.39, 0.03);
+  EXPECT_FALSE(f.guidance.is_hold);
+}
+
+// Blown two rows to the left: the spacing's sigma counts twice, and what it shares with the offset.
+TEST(Follower, ARowFartherAwayCarriesTheSpacingsSigma) {
+  Following f;
+  for (int i = 0; i <= 60; ++i) {
+    Sighting s = seen_from(0.1 * i, 0.1 * i);
+    s.spacing_sigma = 0.03, s.offset_spacing_covariance = 0.0005;
+    f = follow_step(f, s, {});
+  }
+  EXPECT_EQ(f.nearest_row, -2);
+  EXPECT_NEAR(f.measured.value, 6.0, 1e-9);
+  EXPECT_NEAR(f.measured.sigma, std::sqrt(0.05 * 0.05 + 2.0 * 2.0 * 0.0005 + 4.0 * 0.03 * 0.03), 1e-12);
+}
+
 TEST(Follower, TheThesisRuleHoldsAtOnceAndNeedsNoMetres) {
   FollowerOptions options;
   options.rule = Rule::thesis;

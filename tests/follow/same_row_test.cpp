@@ -38,6 +38,27 @@ TEST(SameRow, DoubtIsSaid) {
   EXPECT_FALSE(index_shift(rows_at(300.0, 100.0), rows::RowLines{}).has_value());
 }
 
+/// The same with row 0 only.
+rows::RowLines alone_at(double place) {
+  rows::RowLines lines = rows_at(place, 1000.0);
+  std::erase_if(lines.rows, [](const rows::RowLine& row) { return row.index != 0; });
+  return lines;
+}
+
+TEST(SameRow, ARowAloneGoesByTheSpacingOfTheOther) {
+  EXPECT_EQ(index_shift(alone_at(300.0), alone_at(500.0)), 0);
+  EXPECT_EQ(index_shift(rows_at(300.0, 100.0), alone_at(310.0)), 0);
+  EXPECT_EQ(index_shift(rows_at(300.0, 100.0), alone_at(395.0)), 1);
+  EXPECT_EQ(index_shift(alone_at(395.0), rows_at(300.0, 100.0)), -1);
+  EXPECT_FALSE(index_shift(rows_at(300.0, 100.0), alone_at(350.0)).has_value());
+}
+
+TEST(SameRow, NeighboursOutOfViewAreRemembered) {
+  const auto numbers = followed_rows({rows_at(300.0, 100.0), alone_at(305.0), alone_at(310.0), alone_at(400.0)});
+  EXPECT_EQ(numbers[2], 0);
+  EXPECT_EQ(numbers[3], 1);  // 90 px farther: the neighbour
+}
+
 TEST(SameRow, NumbersThroughASidewardFlight) {
   // The rows wander left by 15 px a picture; one picture without rows is bridged.
   std::vector<rows::RowLines> sequence;

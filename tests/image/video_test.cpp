@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <csignal>
@@ -213,6 +214,24 @@ TEST_F(Video, NamesWhatCannotBeOpened) {
   EXPECT_EQ(open_source((folder / "text.mp4").string()).error().code, "source_unreadable");
   ASSERT_TRUE(base::write_file(folder / "empty.mkv", "").ok());
   EXPECT_EQ(open_source((folder / "empty.mkv").string()).error().code, "source_unreadable");
+}
+
+// Opening a pipe that nobody writes to would wait for ever.
+TEST_F(Video, APipeIsRefusedAtOnce) {
+  ASSERT_EQ(::mkfifo((folder / "camera").c_str(), 0600), 0);
+  EXPECT_EQ(open_source((folder / "camera").string()).error().code, "source_unreadable");
+}
+
+// A stream that stops is a camera that went away, however many pictures came.
+TEST_F(Video, ALiveSourceThatEndsHasFailed) {
+  const std::string file = write_video(folder / "a.mp4", 12, 25.0);
+  const auto source = open_source("file://" + file);
+  ASSERT_TRUE(source.ok()) << source.error().message();
+  EXPECT_EQ((*source)->info().kind, SourceKind::live);
+  EXPECT_FALSE((*source)->failed());
+  EXPECT_EQ(all_of(**source).size(), 12U);
+  EXPECT_TRUE((*source)->failed());
+  EXPECT_NE(said(**source).find("unplugged"), std::string::npos);
 }
 
 TEST_F(Video, AnUnfinishedVideoLeavesNothing) {

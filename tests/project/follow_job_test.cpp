@@ -8,6 +8,8 @@
 #include <thread>
 
 #include "furrow/base/file.h"
+#include "furrow/geom/angles.h"
+#include "furrow/geom/attitude.h"
 
 namespace furrow::project {
 namespace {
@@ -127,18 +129,98 @@ TEST(FollowJob, WithNothingSeenItHolds) {
   EXPECT_NE(result.lines.find("\"offset_px\":null"), std::string::npos);
 }
 
+/// A folder of the test's own, empty.
+fs::path fresh_folder(const std::string& name) {
+  const fs::path folder = fs::path(::testing::TempDir()) / ("furrow_follow_" + name);
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  return folder;
+}
+
+std::vector<double> times_in(const fs::path& video) {
+  std::vector<double> times_s;
+  auto source = image::open_source(video.string());
+  EXPECT_TRUE(source.ok());
+  if (!source.ok()) return times_s;
+  while (const auto picture = (*source)->next()) times_s.push_back(base::ns_to_seconds(picture->t_video_ns));
+  return times_s;
+}
+
 TEST(FollowJob, UnreadablePicturesAndOtherSizesDoNotEndIt) {
-  const Followed result = run(recorded(20, [](std::int64_t i) -> std::optional<Image> {
-    if (i == 6) return std::nullopt;
-    if (i == 12) return rows_picture(40.0, 40.0, 160, 90);
-    if (i == 13) return image::make_image(1, 1, 3);
-    return rows_picture(150.0);
-  }));
+  FollowJobOptions options;
+  options.out = fresh_folder("sizes");
+  const Followed result = run(recorded(20,
+                                       [](std::int64_t i) -> std::optional<Image> {
+                                         if (i == 6) return std::nullopt;
+                                         if (i == 12) return rows_picture(40.0, 40.0, 160, 90);
+                                         if (i == 13) return image::make_image(1, 1, 3);
+                                         return rows_picture(150.0);
+                                       }),
+                              options);
+  EXPECT_EQ(times_in(*options.out / "overlay.mp4").size(), 19U);
   ASSERT_EQ(result.pictures.size(), 20U);
   EXPECT_EQ(result.pictures[6].following.sighting.status, "picture_unreadable");
   EXPECT_NE(result.pictures[13].following.sighting.status, "ok");
   EXPECT_EQ(result.pictures[19].following.sighting.status, "ok");
   EXPECT_FALSE(result.pictures[19].following.is_hold);
+}
+
+/// A video of rows that come closer, each picture at its own time.
+fs::path rows_video(const fs::path& file, const std::vector<double>& times_s) {
+  auto writer = image::VideoWriter::create(file, 320, 180, 30.0);
+  EXPECT_TRUE(writer.ok());
+  for (std::size_t i = 0; i < times_s.size(); ++i)
+    EXPECT_TRUE(writer->add(rows_picture(150.0 + 20.0 * times_s[i]), base::seconds_to_ns(times_s[i])).ok());
+  EXPECT_TRUE(writer->finish().ok());
+  return file;
+}
+
+std::vector<double> uneven_times(int count) {
+  std::vector<double> times_s = {0.0};
+  while (static_cast<int>(times_s.size()) < count) times_s.push_back(times_s.back() + (times_s.size() % 4 ? 0.02 : 0.12));
+  return times_s;
+}
+
+// The filter's steps and the overlay go by the times of the pictures, not by a nominal rate.
+TEST(FollowJob, AVariableRateIsKept) {
+  constexpr std::size_t kHeldBack = 16;  // the last pictures come out of a decoder without their times
+  FollowJobOptions options;
+  options.out = fresh_folder("rate");
+  const std::vector<double> times_s = uneven_times(48);
+  const Followed result = run(*image::open_source(rows_video(*options.out / "vfr.mp4", times_s).string()), options);
+  ASSERT_EQ(result.pictures.size(), 48U);
+  const std::vector<double> shown_s = times_in(*options.out / "overlay.mp4");
+  ASSERT_EQ(shown_s.size(), 48U);
+  for (std::size_t i = 0; i + kHeldBack < 48; ++i) {
+    EXPECT_NEAR(base::ns_to_seconds(result.pictures[i].following.sighting.t_video_ns), times_s[i], 1e-3) << i;
+    EXPECT_NEAR(shown_s[i], times_s[i], 1e-3) << i;
+  }
+  const auto rate = follow::filtered_rate(result.pictures[31].following.offset_filter);
+  EXPECT_NEAR(rate.value, 20.0, 6.0);  // px/s as drawn
+}
+
+TEST(FollowJob, AVideoThatEndsMidFrameIsFollowedToItsEnd) {
+  const fs::path folder = fresh_folder("cut");
+  const std::string whole = base::read_file(rows_video(folder / "whole.mkv", uneven_times(60))).value();
+  ASSERT_TRUE(base::write_file(folder / "cut.mkv", whole.substr(0, whole.size() * 3 / 5)).ok());
+  const Followed result = run(*image::open_source((folder / "cut.mkv").string()));
+  EXPECT_GT(result.pictures.size(), 20U);
+  EXPECT_LT(result.pictures.size(), 50U);
+  EXPECT_FALSE(result.outcome.source_failed);
+  ASSERT_FALSE(result.outcome.notes.empty());
+  EXPECT_NE(result.outcome.notes[0].find("cut short"), std::string::npos) << result.outcome.notes[0];
+  EXPECT_EQ(result.outcome.seen, result.outcome.pictures);
+}
+
+TEST(FollowJob, ACameraThatVanishesEndsItWithWhatCame) {
+  FollowJobOptions options;
+  options.out = fresh_folder("vanished");
+  const Followed result =
+      run(std::make_unique<MadeUp>(image::SourceKind::live, 3, [](std::int64_t) { return rows_picture(150.0); }),
+          options);
+  EXPECT_TRUE(result.outcome.source_failed);
+  EXPECT_EQ(times_in(*options.out / "overlay.mp4").size(), result.pictures.size());
+  EXPECT_TRUE(fs::exists(*options.out / "follow.csv"));
 }
 
 TEST(FollowJob, AnUnpluggedCameraEndsItWithAReason) {
@@ -224,6 +306,88 @@ TEST(FollowJob, BadReadingsByHandAreNamed) {
     ASSERT_FALSE(outcome.ok()) << text;
     EXPECT_EQ(outcome.error().code, code) << text;
   }
+}
+
+Camera plain_camera() {
+  Camera camera;
+  camera.width = 640, camera.height = 360;
+  camera.fx = camera.fy = 430.0, camera.cx = 319.5, camera.cy = 179.5;
+  return camera;
+}
+
+/// What that camera sees `cross_m` left of the axis of a flat row of half width 0.5 m, alone on its field, from 2 m above it.
+Image row_alone(const geom::Attitude& attitude, double cross_m) {
+  const Camera camera = plain_camera();
+  const Eigen::Matrix3d row_from_cam = geom::cam_from_level(attitude).transpose();
+  Image picture = image::make_image(camera.width, camera.height, 3);
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const Eigen::Vector3d ray =
+          row_from_cam * Eigen::Vector3d((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0);
+      const double y = ray.y() * 2.0 / -ray.z() + cross_m;
+      const int grain = (u * 7 + v * 13) % 11;
+      const bool is_leaf = ray.z() < 0.0 && std::abs(y) < 0.5;
+      const auto pixel = picture.at(u, v);
+      pixel[0] = static_cast<std::uint8_t>((is_leaf ? 50 : 130) + grain);
+      pixel[1] = static_cast<std::uint8_t>((is_leaf ? 130 : 110) + grain);
+      pixel[2] = static_cast<std::uint8_t>((is_leaf ? 40 : 85) + grain);
+    }
+  }
+  return picture;
+}
+
+Followed follow_alone(FollowJobOptions options, double cross_m) {
+  const geom::Attitude attitude{geom::deg_to_rad(2.0), geom::deg_to_rad(-45.0), 0.0};
+  options.camera = plain_camera();
+  options.attitude.pitch_rad = {attitude.pitch_rad, geom::deg_to_rad(0.5), 1};
+  options.attitude.roll_rad = {0.0, geom::deg_to_rad(0.5), 1};
+  Followed result;
+  options.on_picture = [&](const FollowedPicture& picture) {
+    result.pictures.push_back(picture);
+    result.lines += base::to_json(followed_value(picture, true), -1) + "\n";
+    return true;
+  };
+  auto outcome = follow_job(recorded(8, [&](std::int64_t) { return row_alone(attitude, cross_m); }), options);
+  EXPECT_TRUE(outcome.ok());
+  return result;
+}
+
+TEST(FollowJob, ARowAloneGivesMetresByAHeight) {
+  for (const double cross_m : {-0.4, 0.0, 0.25}) {
+    FollowJobOptions options;
+    options.height_above_canopy_m = {2.0, 0.05, 1};
+    options.field.outline_rise_m = {0.0, 0.0, 1};
+    const Followed result = follow_alone(options, cross_m);
+    ASSERT_EQ(result.pictures.size(), 8U);
+    const follow::Following& last = result.pictures.back().following;
+    ASSERT_TRUE(last.offset.has_value()) << cross_m << " " << last.hold_reason;
+    EXPECT_NEAR(last.offset->value, cross_m, 0.02 + 0.1 * std::abs(cross_m)) << cross_m;  // a round top is taken
+    EXPECT_NEAR(last.offset->value, cross_m, 2.0 * last.offset->sigma) << cross_m;
+    EXPECT_LT(last.offset->sigma, 0.1);
+    EXPECT_NEAR(last.heading_rad->value, geom::deg_to_rad(2.0), geom::deg_to_rad(1.0));
+  }
+}
+
+TEST(FollowJob, ARowAloneGivesMetresByItsHalfWidth) {
+  FollowJobOptions options;
+  options.field.half_width_m = {0.5, 0.05, 1};
+  const Followed result = follow_alone(options, 0.25);
+  const follow::Following& last = result.pictures.back().following;
+  ASSERT_TRUE(last.offset.has_value()) << last.hold_reason;
+  EXPECT_NEAR(last.offset->value, 0.25, 0.05);
+}
+
+TEST(FollowJob, ARowAloneGivesNoMetresByASpacing) {
+  FollowJobOptions options;
+  options.field.row_spacing_m = {3.0, 0.06, 1};
+  const Followed result = follow_alone(options, 0.25);
+  for (const FollowedPicture& picture : result.pictures) {
+    EXPECT_EQ(picture.following.sighting.status, "no_metres");
+    EXPECT_NE(picture.following.hold_reason.find("height above the canopy"), std::string::npos);
+    EXPECT_TRUE(picture.following.is_hold);
+    EXPECT_TRUE(picture.following.thesis.deviation_px.has_value());  // the thesis's px need no metres
+  }
+  EXPECT_NE(result.lines.find("\"cross_track_m\":null"), std::string::npos);
 }
 
 }  // namespace
