@@ -1,9 +1,6 @@
 #include "project/follow_chain.h"
 
-#include <algorithm>
-
 #include "furrow/altitude/shot_height.h"
-#include "furrow/altitude/unit_plane.h"
 #include "project/shot_chain.h"
 
 namespace furrow::project {
@@ -17,36 +14,21 @@ rows::RowLines unread(const image::TimedPicture& source, rows::Method method) {
   return lines;
 }
 
-/// Rows that were seen themselves: those which only the common field carries may not be there at all.
-altitude::RowsOnUnitPlane seen_rows(altitude::RowsOnUnitPlane directions, const rows::RowLines& lines) {
-  std::erase_if(directions.rows, [&](const altitude::RowsOnUnitPlane::Row& row) {
-    return std::any_of(lines.rows.begin(), lines.rows.end(),
-                       [&](const rows::RowLine& line) { return line.index == row.index && !line.seen; });
-  });
-  return directions;
-}
-
 /// Offset and heading in metres and radians by the lengths that are known: the sighting's px give way to them.
 follow::Sighting in_metres(follow::Sighting sighting, const rows::RowLines& lines, const Camera& camera,
                            const FollowJobOptions& options) {
   sighting.offset = {};
   sighting.spacing = options.field.row_spacing_m.value;
   if (!lines.ok()) return sighting;
-  const auto refuse = [&](const Error& error) {
-    sighting.status = error.code;
-    sighting.reason = error.message();
+  const auto measured = altitude::offset_from_rows(lines, camera, options.field, options.attitude,
+                                                  options.height_above_canopy_m);
+  if (!measured.ok()) {
+    sighting.status = measured.error().code;
+    sighting.reason = measured.error().message();
     return sighting;
-  };
-  const auto directions = altitude::rows_on_unit_plane(lines, camera);
-  if (!directions.ok()) return refuse(directions.error());
-  const auto measured =
-      altitude::from_any_scale(seen_rows(*directions, lines), options.field, options.attitude, options.height_above_canopy_m);
-  if (!measured.ok()) return refuse(measured.error());
-  sighting.heading_rad = measured->yaw_rad;
-  if (!measured->cross_track_m.usable())
-    return refuse({"no_metres", "rows", "one row, which says nothing of its neighbours' distance",
-                   "a height above the canopy, or the row's half width", ""});
+  }
   sighting.offset = measured->cross_track_m;
+  sighting.heading_rad = measured->yaw_rad;
   if (!measured->row_spacing_m.usable()) return sighting;
   sighting.spacing = measured->row_spacing_m.value;
   sighting.spacing_sigma = measured->row_spacing_m.sigma;

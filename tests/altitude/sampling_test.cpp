@@ -116,6 +116,7 @@ INSTANTIATE_TEST_SUITE_P(Heights, Sampling,
 struct Known {
   const char* name;
   bool spacing, half_width, height, is_alone;
+  bool is_full = false;  ///< offset_from_rows, by the full model
 };
 
 class ClosedForm : public ::testing::TestWithParam<Known> {};
@@ -140,15 +141,19 @@ TEST_P(ClosedForm, TruthLiesInsideItsSigmasAsOftenAsClaimed) {
     if (!k.spacing) t.field.row_spacing_m = {};
     if (!k.half_width) t.field.half_width_m = {};
     const auto lines = testing::picture_of(t.world, camera, noise, random.bits());
-    const auto shot = from_any_scale(rows_on_unit_plane(lines, camera).value(), t.field, t.prior,
-                                     k.height ? height : Estimate{});
-    if (!shot.ok() || !shot->cross_track_m.usable()) continue;
-    cross.push_back(shot->cross_track_m), true_cross.push_back(t.world.cross_track_m);
-    heading.push_back(shot->yaw_rad), true_heading.push_back(t.world.attitude.yaw_rad);
+    const Estimate known = k.height ? height : Estimate{};
+    const auto closed = from_any_scale(rows_on_unit_plane(lines, camera).value(), t.field, t.prior, known);
+    const auto full = offset_from_rows(lines, camera, t.field, t.prior, known);
+    if (!closed.ok() || !closed->cross_track_m.usable() || !full.ok()) continue;
+    const RowOffset shot = k.is_full ? *full
+                                     : RowOffset{closed->cross_track_m, closed->yaw_rad, closed->row_spacing_m,
+                                                 closed->cross_track_spacing_covariance_m2};
+    cross.push_back(shot.cross_track_m), true_cross.push_back(t.world.cross_track_m);
+    heading.push_back(shot.yaw_rad), true_heading.push_back(t.world.attitude.yaw_rad);
     if (k.is_alone) continue;
-    const double variance = std::pow(shot->cross_track_m.sigma, 2) + 9.0 * std::pow(shot->row_spacing_m.sigma, 2) +
-                            6.0 * shot->cross_track_spacing_covariance_m2;
-    to_neighbour.push_back({shot->cross_track_m.value + 3.0 * shot->row_spacing_m.value, std::sqrt(variance), 1});
+    const double variance = std::pow(shot.cross_track_m.sigma, 2) + 9.0 * std::pow(shot.row_spacing_m.sigma, 2) +
+                            6.0 * shot.cross_track_spacing_covariance_m2;
+    to_neighbour.push_back({shot.cross_track_m.value + 3.0 * shot.row_spacing_m.value, std::sqrt(variance), 1});
     true_neighbour.push_back(t.world.cross_track_m + 3.0 * t.world.spacing_m);
   }
   EXPECT_GE(static_cast<double>(cross.size()), 0.95 * shots);
@@ -178,6 +183,8 @@ INSTANTIATE_TEST_SUITE_P(Lengths, ClosedForm,
                                            Known{"height", false, false, true, false},
                                            Known{"spacing and height", true, true, true, false},
                                            Known{"half width", false, true, false, false},
+                                           Known{"full model, spacing", true, true, false, false, true},
+                                           Known{"full model, and height", true, true, true, false, true},
                                            Known{"a row alone, height", false, false, true, true},
                                            Known{"a row alone, half width", false, true, false, true},
                                            Known{"a row alone, both", true, true, true, true}));

@@ -116,4 +116,19 @@ Result<RefinedShot> refine_shot(const rows::RowLines& lines, const Camera& camer
                                 const FieldKnowledge& field, const AttitudePrior& prior,
                                 const RefineOptions& options = {});
 
+/// Where the camera is over the rows.
+struct RowOffset {
+  Estimate cross_track_m;  ///< camera left of row 0
+  Estimate yaw_rad;        ///< camera against the rows, positive to the left
+  /// As SpacingHeight's: the cross-track from row k is cross_track_m + k row_spacing_m.
+  Estimate row_spacing_m;
+  double cross_track_spacing_covariance_m2 = 0.0;
+};
+
+/// The offset by whatever is known of spacing, height above the canopy and half width, from the rows that were seen
+/// themselves: those which only the common field carries may not be there. By refine_shot where there is a spacing
+/// and it has an answer, else by from_any_scale. Errors: as from_any_scale, and no_metres (no known length tells any).
+Result<RowOffset> offset_from_rows(const rows::RowLines& lines, const Camera& camera, const FieldKnowledge& field,
+                                   const AttitudePrior& prior, const Estimate& height_above_canopy_m);
+
 }  // namespace furrow::altitude
