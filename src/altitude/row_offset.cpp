@@ -6,7 +6,8 @@ namespace furrow::altitude {
 namespace {
 
 RowOffset of(const SpacingHeight& closed) {
-  return {closed.cross_track_m, closed.yaw_rad, closed.row_spacing_m, closed.cross_track_spacing_covariance_m2};
+  return {closed.cross_track_m, closed.yaw_rad, closed.row_spacing_m,
+          closed.cross_track_spacing_covariance_m2};
 }
 
 /// The refined shot once its height is known better, by its covariance (eq. 3.11).
@@ -23,14 +24,15 @@ RowOffset of(const RefinedShot& shot, const Estimate& height_above_canopy_m) {
   const auto estimate = [&](const Estimate& before, int place) {
     return Estimate{before.value + moved[place], std::sqrt(covariance(place, place)), before.observations};
   };
-  return {estimate(shot.cross_track_m, kCross), estimate(shot.yaw_rad, kYaw), estimate(shot.row_spacing_m, kSpacing),
-          covariance(kCross, kSpacing)};
+  return {estimate(shot.cross_track_m, kCross), estimate(shot.yaw_rad, kYaw),
+          estimate(shot.row_spacing_m, kSpacing), covariance(kCross, kSpacing)};
 }
 
 }  // namespace
 
-Result<RowOffset> offset_from_rows(const rows::RowLines& lines, const Camera& camera, const FieldKnowledge& field,
-                                   const AttitudePrior& prior, const Estimate& height_above_canopy_m) {
+Result<RowOffset> offset_from_rows(const rows::RowLines& lines, const Camera& camera,
+                                   const FieldKnowledge& field, const AttitudePrior& prior,
+                                   const Estimate& height_above_canopy_m) {
   rows::RowLines seen = lines;
   std::erase_if(seen.rows, [](const rows::RowLine& row) { return !row.seen; });
   if (field.row_spacing_m.usable() && seen.rows.size() > 1) {

@@ -340,14 +340,14 @@ std::vector<PencilBlock> whitened_blocks(const std::vector<EdgeLine>& lines, con
   return blocks;
 }
 
-/// What the picture leaves open: the pitch where rows are parallel or alone, and then b, which a row alone hardly
-/// tells and nobody asks of it.
+/// What the picture leaves open: the pitch where rows are parallel or alone, and then b, which a row alone
+/// hardly tells and nobody asks of it.
 struct OpenParts {
   bool pitch = false, step = false;
 };
 
-std::vector<PencilPrior> pencil_priors(const GimbalPrior& prior, const OpenParts& open, const RelativeFarm& farm,
-                                       double b) {
+std::vector<PencilPrior> pencil_priors(const GimbalPrior& prior, const OpenParts& open,
+                                       const RelativeFarm& farm, double b) {
   std::vector<PencilPrior> priors(2);
   priors[0].coefficients[kPencilLambda] = 1.0;
   priors[0].value = prior.lambda.value;
@@ -510,7 +510,8 @@ namespace {
 constexpr int kA = 0, kB = 1, kG = 2, kDrop = 3, kRise = 4;
 using ScaleVector = Eigen::Matrix<double, 5, 1>;
 
-/// The pencil in metres: a, b, g, drop to the rows' outline, and the outline's rise over the named top (eq. 3.10).
+/// The pencil in metres: a, b, g, drop to the rows' outline, and the outline's rise over the named top
+/// (eq. 3.10).
 struct Scale {
   ScaleVector value = ScaleVector::Zero();
   Eigen::Matrix<double, 5, 5> covariance = Eigen::Matrix<double, 5, 5>::Zero();
@@ -597,7 +598,7 @@ SpacingHeight in_metres(const Pencil& pencil, const FieldKnowledge& field, const
   const std::optional<Scale> scale = scale_of(pencil, field, height);
   if (!scale) return result;
   const double a = scale->value[kA], b = scale->value[kB], drop = scale->value[kDrop];
-  const ScaleVector to_cross = -drop * unit(kA) - a * unit(kDrop);     // c = -a H
+  const ScaleVector to_cross = -drop * unit(kA) - a * unit(kDrop);    // c = -a H
   const ScaleVector to_spacing = -drop * unit(kB) - b * unit(kDrop);  // S = -b H
   const ScaleVector to_height = unit(kDrop) + unit(kRise);
   result.height_above_canopy_m = {drop + scale->value[kRise], scale->sigma_of(to_height), n};

@@ -26,8 +26,8 @@ struct Pencil {
 
 /// With `least_rows` 1 a row alone will do where the prior knows the pitch: then b is next to unknown.
 /// Errors: as from_spacing, and rows_across, camera_along_horizon.
-Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& field, const AttitudePrior& prior,
-                          int least_rows = 2);
+Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
+                          const AttitudePrior& prior, int least_rows = 2);
 
 /// The priors on theta and lambda that an AttitudePrior means; unusable parts stay unusable. A roll that is
 /// not known becomes level within kUnknownRollSigma.

@@ -41,10 +41,12 @@ Estimate with_default_sigma(double value, const std::optional<double>& sigma, do
 }
 
 Status read_field(const Arguments& arguments, project::FollowJobOptions& options) {
-  const bool has_length = arguments.spacing_m > 0.0 || arguments.height_m > 0.0 || arguments.half_width_m > 0.0;
+  const bool has_length =
+      arguments.spacing_m > 0.0 || arguments.height_m > 0.0 || arguments.half_width_m > 0.0;
   if (arguments.camera.empty()) {
     if (has_length || arguments.pitch_deg)
-      return Error{"bad_usage", "--spacing, --height", "no camera", "--camera FILE beside it: metres need both", ""};
+      return Error{"bad_usage", "--spacing, --height", "no camera",
+                   "--camera FILE beside it: metres need both", ""};
     return Done{};
   }
   if (!has_length)
@@ -54,8 +56,8 @@ Status read_field(const Arguments& arguments, project::FollowJobOptions& options
   // Gimbals hold their roll level within about a degree.
   options.attitude.roll_rad = {0.0, geom::deg_to_rad(1.0), 1};
   if (arguments.spacing_m > 0.0) {
-    options.field.row_spacing_m =
-        with_default_sigma(arguments.spacing_m, arguments.spacing_sigma_m, project::kDefaultSpacingSigmaShare);
+    options.field.row_spacing_m = with_default_sigma(arguments.spacing_m, arguments.spacing_sigma_m,
+                                                     project::kDefaultSpacingSigmaShare);
   }
   if (arguments.height_m > 0.0) {
     options.height_above_canopy_m =
@@ -96,7 +98,8 @@ Result<project::FollowJobOptions> job_options(const Arguments& arguments) {
   if (!arguments.by_hand.empty()) options.by_hand = arguments.by_hand;
   if (!arguments.mavlink.empty()) options.steer_to = arguments.mavlink;
   if (options.steer_to && !options.camera && options.follower.rule != follow::Rule::thesis) {
-    return Error{"bad_usage", "--mavlink", "no way to metres", "--camera with --spacing or --height, or --rule thesis",
+    return Error{"bad_usage", "--mavlink", "no way to metres",
+                 "--camera with --spacing or --height, or --rule thesis",
                  "The thesis's rule takes a row to be 0.60 m to each side."};
   }
   options.overlay = !arguments.no_overlay;
@@ -161,8 +164,9 @@ void add_field_options(CLI::App* command, Arguments& arguments) {
   command->add_option("--spacing-sigma", arguments.spacing_sigma_m, "one sigma of it, m (default 2 %)")
       ->check(CLI::PositiveNumber);
   command
-      ->add_option("--height", arguments.height_m,
-                   "of the camera above the tops of the rows, m, from elsewhere; metres also from a row alone")
+      ->add_option(
+          "--height", arguments.height_m,
+          "of the camera above the tops of the rows, m, from elsewhere; metres also from a row alone")
       ->check(CLI::PositiveNumber);
   command->add_option("--height-sigma", arguments.height_sigma_m, "one sigma of it, m (default 5 %)")
       ->check(CLI::PositiveNumber);

@@ -267,8 +267,8 @@ std::string signed_fixed(double value, int decimals) {
   return (value < 0.0 ? "" : "+") + base::format_fixed(value, decimals);
 }
 
-/// What steering goes by, as a length on the picture's middle row; metres by the row spacing there, and of a row
-/// alone, which has none, its deviation.
+/// What steering goes by, as a length on the picture's middle row; metres by the row spacing there, and of a
+/// row alone, which has none, its deviation.
 std::optional<double> steering_px(const follow::Following& f, const follow::FollowerOptions& options) {
   if (options.rule == follow::Rule::thesis) return f.thesis.steer_px;
   const double px_per_unit = f.sighting.place.spacing_px / f.sighting.spacing;

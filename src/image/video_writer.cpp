@@ -1,5 +1,5 @@
-// Videos written through FFmpeg's own libraries: OpenCV's writer knows neither times of pictures nor an H.264 that
-// takes 4 ms a picture of 1280x720 instead of 46.
+// Videos written through FFmpeg's own libraries: OpenCV's writer knows neither times of pictures nor an H.264
+// that takes 4 ms a picture of 1280x720 instead of 46.
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -79,9 +79,7 @@ struct VideoWriter::Parts {
   cv::Size size() const { return {codec->width, codec->height}; }
   Status start();
   Status encode(const AVFrame* picture);
-  Error unwritable() const {
-    return {"file_unwritable", name, "writing stopped: disk full?", "", ""};
-  }
+  Error unwritable() const { return {"file_unwritable", name, "writing stopped: disk full?", "", ""}; }
 };
 
 Status VideoWriter::Parts::start() {
@@ -106,7 +104,8 @@ Status VideoWriter::Parts::encode(const AVFrame* picture) {
   while (avcodec_receive_packet(codec.get(), packet.get()) >= 0) {
     if (packet->duration == 0) packet->duration = period;
     av_packet_rescale_ts(packet.get(), codec->time_base, format->streams[0]->time_base);
-    if (av_interleaved_write_frame(format.get(), packet.get()) < 0 || format->pb->error < 0) return unwritable();
+    if (av_interleaved_write_frame(format.get(), packet.get()) < 0 || format->pb->error < 0)
+      return unwritable();
   }
   return Done{};
 }
@@ -123,13 +122,15 @@ Result<VideoWriter> VideoWriter::create(const fs::path& file, int width, int hei
                          "an FFmpeg with x264, and a name that ends in .mp4 or .mkv", ""};
   const AVOutputFormat* kind = av_guess_format(nullptr, file.c_str(), nullptr);
   AVFormatContext* context = nullptr;
-  if (kind == nullptr || avformat_alloc_output_context2(&context, kind, nullptr, nullptr) < 0) return no_encoder;
+  if (kind == nullptr || avformat_alloc_output_context2(&context, kind, nullptr, nullptr) < 0)
+    return no_encoder;
   Owned<AVFormatContext> format(context);
   // 4:2:0 wants even sizes.
   Owned<AVCodecContext> codec = open_encoder(*format, width + width % 2, height + height % 2, rate_hz);
   if (!codec) return no_encoder;
-  Owned<SwsContext> scaler(sws_getContext(codec->width, codec->height, AV_PIX_FMT_RGB24, codec->width, codec->height,
-                                          codec->pix_fmt, SWS_BILINEAR, nullptr, nullptr, nullptr));
+  Owned<SwsContext> scaler(sws_getContext(codec->width, codec->height, AV_PIX_FMT_RGB24, codec->width,
+                                          codec->height, codec->pix_fmt, SWS_BILINEAR, nullptr, nullptr,
+                                          nullptr));
   FURROW_TRY(base::PartFile part, base::PartFile::create(file));
   auto parts = std::unique_ptr<Parts>(new Parts{
       std::move(part), file.string(), std::move(format), std::move(codec), std::move(scaler),
@@ -161,7 +162,8 @@ Status VideoWriter::add(const Image& picture, base::Nanoseconds t_ns) {
 
 Status VideoWriter::finish() {
   FURROW_DO(parts_->encode(nullptr));
-  if (av_write_trailer(parts_->format.get()) < 0 || avio_closep(&parts_->format->pb) < 0) return parts_->unwritable();
+  if (av_write_trailer(parts_->format.get()) < 0 || avio_closep(&parts_->format->pb) < 0)
+    return parts_->unwritable();
   return parts_->file.commit();
 }
 

@@ -14,14 +14,15 @@ rows::RowLines unread(const image::TimedPicture& source, rows::Method method) {
   return lines;
 }
 
-/// Offset and heading in metres and radians by the lengths that are known: the sighting's px give way to them.
+/// Offset and heading in metres and radians by the lengths that are known: the sighting's px give way to
+/// them.
 follow::Sighting in_metres(follow::Sighting sighting, const rows::RowLines& lines, const Camera& camera,
                            const FollowJobOptions& options) {
   sighting.offset = {};
   sighting.spacing = options.field.row_spacing_m.value;
   if (!lines.ok()) return sighting;
   const auto measured = altitude::offset_from_rows(lines, camera, options.field, options.attitude,
-                                                  options.height_above_canopy_m);
+                                                   options.height_above_canopy_m);
   if (!measured.ok()) {
     sighting.status = measured.error().code;
     sighting.reason = measured.error().message();

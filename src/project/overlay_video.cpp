@@ -51,7 +51,8 @@ void OverlayVideo::draw_all() {
     has_room_.notify_one();
     lock.unlock();
     const base::Nanoseconds t = next.following.sighting.t_video_ns;
-    const Image drawn = figures::following_picture(std::move(next.picture), next.lines, next.following, *options_);
+    const Image drawn =
+        figures::following_picture(std::move(next.picture), next.lines, next.following, *options_);
     const Status written = writer_.add(drawn, t);
     lock.lock();
     if (written.ok()) continue;

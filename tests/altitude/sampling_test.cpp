@@ -145,20 +145,23 @@ TEST_P(ClosedForm, TruthLiesInsideItsSigmasAsOftenAsClaimed) {
     const auto closed = from_any_scale(rows_on_unit_plane(lines, camera).value(), t.field, t.prior, known);
     const auto full = offset_from_rows(lines, camera, t.field, t.prior, known);
     if (!closed.ok() || !closed->cross_track_m.usable() || !full.ok()) continue;
-    const RowOffset shot = k.is_full ? *full
-                                     : RowOffset{closed->cross_track_m, closed->yaw_rad, closed->row_spacing_m,
-                                                 closed->cross_track_spacing_covariance_m2};
+    const RowOffset shot = k.is_full
+                               ? *full
+                               : RowOffset{closed->cross_track_m, closed->yaw_rad, closed->row_spacing_m,
+                                           closed->cross_track_spacing_covariance_m2};
     cross.push_back(shot.cross_track_m), true_cross.push_back(t.world.cross_track_m);
     heading.push_back(shot.yaw_rad), true_heading.push_back(t.world.attitude.yaw_rad);
     if (k.is_alone) continue;
-    const double variance = std::pow(shot.cross_track_m.sigma, 2) + 9.0 * std::pow(shot.row_spacing_m.sigma, 2) +
+    const double variance = std::pow(shot.cross_track_m.sigma, 2) +
+                            9.0 * std::pow(shot.row_spacing_m.sigma, 2) +
                             6.0 * shot.cross_track_spacing_covariance_m2;
-    to_neighbour.push_back({shot.cross_track_m.value + 3.0 * shot.row_spacing_m.value, std::sqrt(variance), 1});
+    to_neighbour.push_back(
+        {shot.cross_track_m.value + 3.0 * shot.row_spacing_m.value, std::sqrt(variance), 1});
     true_neighbour.push_back(t.world.cross_track_m + 3.0 * t.world.spacing_m);
   }
   EXPECT_GE(static_cast<double>(cross.size()), 0.95 * shots);
-  const auto check = [&](const char* what, const std::vector<Estimate>& estimates, const std::vector<double>& truths,
-                         double too_wide = 0.0) {
+  const auto check = [&](const char* what, const std::vector<Estimate>& estimates,
+                         const std::vector<double>& truths, double too_wide = 0.0) {
     const stats::Coverage coverage = stats::coverage(estimates, truths);
     double squares = 0.0, sigmas = 0.0;
     for (std::size_t i = 0; i < truths.size(); ++i) {

@@ -137,6 +137,27 @@ TEST(FromSpacing, ParallelRowsNeedAPitch) {
   EXPECT_NEAR(result->height_over_spacing.value, 1.0 / 0.25, 0.1);
 }
 
+// A spacing a tenth too wide, one sigma, beside a height that is known to a centimetre.
+TEST(OffsetFromRows, AHeightMendsASpacing) {
+  const World world = oblique_world();
+  const Camera camera = testing::thesis_camera();
+  FieldKnowledge field = testing::knowledge_of(world, 0.001);
+  field.row_spacing_m = {3.3, 0.3, 1};
+  const AttitudePrior prior = testing::prior_of(world, 0.02, 0.001);
+  const auto lines = testing::picture_of(world, camera);
+  const Estimate height{world.height_above_canopy_m, 0.01, 1};
+  const auto full = offset_from_rows(lines, camera, field, prior, height);
+  ASSERT_TRUE(full.ok()) << full.error().message();
+  EXPECT_NEAR(full->row_spacing_m.value, 3.0, 0.03);
+  EXPECT_LT(full->row_spacing_m.sigma, 0.05);
+  EXPECT_NEAR(full->cross_track_m.value, 0.37, 0.01);
+  const auto closed = from_any_scale(rows_on_unit_plane(lines, camera).value(), field, prior, height);
+  ASSERT_TRUE(closed.ok()) << closed.error().message();
+  EXPECT_NEAR(closed->row_spacing_m.value, 3.0, 0.03);
+  EXPECT_NEAR(closed->cross_track_m.value, 0.37, 0.01);
+  EXPECT_NEAR(closed->height_above_canopy_m.value, world.height_above_canopy_m, 0.01);
+}
+
 TEST(FromSpacing, DegenerateInputHasAName) {
   const World world = oblique_world();
   RowsOnUnitPlane rows = seen(world);

@@ -54,7 +54,8 @@ TEST(SameRow, ARowAloneGoesByTheSpacingOfTheOther) {
 }
 
 TEST(SameRow, NeighboursOutOfViewAreRemembered) {
-  const auto numbers = followed_rows({rows_at(300.0, 100.0), alone_at(305.0), alone_at(310.0), alone_at(400.0)});
+  const auto numbers =
+      followed_rows({rows_at(300.0, 100.0), alone_at(305.0), alone_at(310.0), alone_at(400.0)});
   EXPECT_EQ(numbers[2], 0);
   EXPECT_EQ(numbers[3], 1);  // 90 px farther: the neighbour
 }

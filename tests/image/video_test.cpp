@@ -44,7 +44,8 @@ std::vector<TimedPicture> all_of(PictureSource& source) {
 std::string write_video(const fs::path& file, int pictures, double rate_hz) {
   auto writer = VideoWriter::create(file, 64, 48, rate_hz);
   EXPECT_TRUE(writer.ok());
-  for (int i = 0; i < pictures; ++i) EXPECT_TRUE(writer->add(numbered(i), base::seconds_to_ns(i / rate_hz)).ok());
+  for (int i = 0; i < pictures; ++i)
+    EXPECT_TRUE(writer->add(numbered(i), base::seconds_to_ns(i / rate_hz)).ok());
   EXPECT_FALSE(fs::exists(file));
   EXPECT_TRUE(writer->finish().ok());
   return file.string();

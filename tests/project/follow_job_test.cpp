@@ -177,7 +177,8 @@ fs::path rows_video(const fs::path& file, const std::vector<double>& times_s) {
 
 std::vector<double> uneven_times(int count) {
   std::vector<double> times_s = {0.0};
-  while (static_cast<int>(times_s.size()) < count) times_s.push_back(times_s.back() + (times_s.size() % 4 ? 0.02 : 0.12));
+  while (static_cast<int>(times_s.size()) < count)
+    times_s.push_back(times_s.back() + (times_s.size() % 4 ? 0.02 : 0.12));
   return times_s;
 }
 
@@ -187,7 +188,8 @@ TEST(FollowJob, AVariableRateIsKept) {
   FollowJobOptions options;
   options.out = fresh_folder("rate");
   const std::vector<double> times_s = uneven_times(48);
-  const Followed result = run(*image::open_source(rows_video(*options.out / "vfr.mp4", times_s).string()), options);
+  const Followed result =
+      run(*image::open_source(rows_video(*options.out / "vfr.mp4", times_s).string()), options);
   ASSERT_EQ(result.pictures.size(), 48U);
   const std::vector<double> shown_s = times_in(*options.out / "overlay.mp4");
   ASSERT_EQ(shown_s.size(), 48U);
@@ -215,9 +217,9 @@ TEST(FollowJob, AVideoThatEndsMidFrameIsFollowedToItsEnd) {
 TEST(FollowJob, ACameraThatVanishesEndsItWithWhatCame) {
   FollowJobOptions options;
   options.out = fresh_folder("vanished");
-  const Followed result =
-      run(std::make_unique<MadeUp>(image::SourceKind::live, 3, [](std::int64_t) { return rows_picture(150.0); }),
-          options);
+  const Followed result = run(
+      std::make_unique<MadeUp>(image::SourceKind::live, 3, [](std::int64_t) { return rows_picture(150.0); }),
+      options);
   EXPECT_TRUE(result.outcome.source_failed);
   EXPECT_EQ(times_in(*options.out / "overlay.mp4").size(), result.pictures.size());
   EXPECT_TRUE(fs::exists(*options.out / "follow.csv"));
@@ -315,7 +317,8 @@ Camera plain_camera() {
   return camera;
 }
 
-/// What that camera sees `cross_m` left of the axis of a flat row of half width 0.5 m, alone on its field, from 2 m above it.
+/// What that camera sees `cross_m` left of the axis of a flat row of half width 0.5 m, alone on its field,
+/// from 2 m above it.
 Image row_alone(const geom::Attitude& attitude, double cross_m) {
   const Camera camera = plain_camera();
   const Eigen::Matrix3d row_from_cam = geom::cam_from_level(attitude).transpose();
@@ -361,7 +364,8 @@ TEST(FollowJob, ARowAloneGivesMetresByAHeight) {
     ASSERT_EQ(result.pictures.size(), 8U);
     const follow::Following& last = result.pictures.back().following;
     ASSERT_TRUE(last.offset.has_value()) << cross_m << " " << last.hold_reason;
-    EXPECT_NEAR(last.offset->value, cross_m, 0.02 + 0.1 * std::abs(cross_m)) << cross_m;  // a round top is taken
+    EXPECT_NEAR(last.offset->value, cross_m, 0.02 + 0.1 * std::abs(cross_m))
+        << cross_m;  // a round top is taken
     EXPECT_NEAR(last.offset->value, cross_m, 2.0 * last.offset->sigma) << cross_m;
     EXPECT_LT(last.offset->sigma, 0.1);
     EXPECT_NEAR(last.heading_rad->value, geom::deg_to_rad(2.0), geom::deg_to_rad(1.0));

@@ -19,8 +19,9 @@ struct SpacingHeight {
   Estimate pitch_rad;              ///< from the vanishing point
   Estimate yaw_rad;                ///< camera against the rows, positive to the left
   Estimate cross_track_m;          ///< camera left of row 0, metres; unusable when no length is known
-  /// Between the rows as the picture shows it, with the covariance with cross_track_m: the camera's cross-track
-  /// from row k is cross_track_m + k row_spacing_m. Unusable when no length is known, or of a row alone.
+  /// Between the rows as the picture shows it, with the covariance with cross_track_m: the camera's
+  /// cross-track from row k is cross_track_m + k row_spacing_m. Unusable when no length is known, or of a row
+  /// alone.
   Estimate row_spacing_m;
   double cross_track_spacing_covariance_m2 = 0.0;
 };
@@ -31,10 +32,11 @@ struct SpacingHeight {
 Result<SpacingHeight> from_spacing(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
                                    const AttitudePrior& prior);
 
-/// The same with any length that is known: the spacing, a height above the canopy that something else measured (of
-/// the rows' named top, like height_above_canopy_m), half the rows' width; the more the better. A row alone will do
-/// when `prior` knows the pitch; then the spacing tells no metres, and those of a half width alone are as rough as
-/// the row's edges. Nothing in metres is usable when no length is known. Errors: as from_spacing.
+/// The same with any length that is known: the spacing, a height above the canopy that something else
+/// measured (of the rows' named top, like height_above_canopy_m), half the rows' width; the more the better.
+/// A row alone will do when `prior` knows the pitch; then the spacing tells no metres, and those of a half
+/// width alone are as rough as the row's edges. Nothing in metres is usable when no length is known. Errors:
+/// as from_spacing.
 Result<SpacingHeight> from_any_scale(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
                                      const AttitudePrior& prior, const Estimate& height_above_canopy_m);
 
@@ -125,10 +127,12 @@ struct RowOffset {
   double cross_track_spacing_covariance_m2 = 0.0;
 };
 
-/// The offset by whatever is known of spacing, height above the canopy and half width, from the rows that were seen
-/// themselves: those which only the common field carries may not be there. By refine_shot where there is a spacing
-/// and it has an answer, else by from_any_scale. Errors: as from_any_scale, and no_metres (no known length tells any).
-Result<RowOffset> offset_from_rows(const rows::RowLines& lines, const Camera& camera, const FieldKnowledge& field,
-                                   const AttitudePrior& prior, const Estimate& height_above_canopy_m);
+/// The offset by whatever is known of spacing, height above the canopy and half width, from the rows that
+/// were seen themselves: those which only the common field carries may not be there. By refine_shot where
+/// there is a spacing and it has an answer, else by from_any_scale. Errors: as from_any_scale, and no_metres
+/// (no known length tells any).
+Result<RowOffset> offset_from_rows(const rows::RowLines& lines, const Camera& camera,
+                                   const FieldKnowledge& field, const AttitudePrior& prior,
+                                   const Estimate& height_above_canopy_m);
 
 }  // namespace furrow::altitude

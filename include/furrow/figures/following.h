@@ -34,9 +34,9 @@ struct DeviationByHand {
 Result<Figure> deviation_by_hand(const std::vector<DeviationByHand>& flights,
                                  const FigureOptions& options = {});
 
-/// A picture of the overlay video: middle column (green), followed row upright at its place on the middle row as in the
-/// thesis (red) and as it was fitted (orange, its neighbours light blue), an arrow of what steering goes by (blue), and
-/// what is known in words.
+/// A picture of the overlay video: middle column (green), followed row upright at its place on the middle row
+/// as in the thesis (red) and as it was fitted (orange, its neighbours light blue), an arrow of what steering
+/// goes by (blue), and what is known in words.
 Image following_picture(Image picture, const rows::RowLines& lines, const follow::Following& following,
                         const follow::FollowerOptions& options);
 

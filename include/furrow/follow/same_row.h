@@ -24,8 +24,8 @@ RowPlace place_of(const rows::RowLines& lines);
 /// shortly earlier of the same size: 0 while the followed row stays the nearest to the middle, +1 after the
 /// camera moved over to the row on its right. Nothing when it cannot be told: rows missing in either,
 /// spacings that differ by more than a quarter, or a row about half a spacing away from every other (0.35 to
-/// 0.65). A row alone in one of them goes by the other's spacing; alone in both it is the same: there is no other to
-/// take it for.
+/// 0.65). A row alone in one of them goes by the other's spacing; alone in both it is the same: there is no
+/// other to take it for.
 std::optional<int> index_shift(const RowPlace& before, const RowPlace& now);
 std::optional<int> index_shift(const rows::RowLines& before, const rows::RowLines& now);
 

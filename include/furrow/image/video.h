@@ -63,8 +63,9 @@ Result<std::unique_ptr<PictureSource>> open_source(const std::string& what,
 std::unique_ptr<PictureSource> open_pictures(std::vector<std::filesystem::path> files,
                                              const SourceOptions& options = {});
 
-/// Writes a video of one size, each picture at its own time: H.264 (MPEG-4 where FFmpeg lacks x264) in .mp4 or
-/// .mkv. One thread encodes, so that the same pictures give the same bytes. It gets its name at finish() only.
+/// Writes a video of one size, each picture at its own time: H.264 (MPEG-4 where FFmpeg lacks x264) in .mp4
+/// or .mkv. One thread encodes, so that the same pictures give the same bytes. It gets its name at finish()
+/// only.
 class VideoWriter {
  public:
   /// `rate_hz` says how long the last picture stays, and where a player may jump to. Errors: file_unwritable,

@@ -28,7 +28,8 @@ struct FollowedPicture {
 struct FollowJobOptions {
   follow::FollowerOptions follower;
   rows::Method method = rows::Method::field;
-  /// With a camera and a length (row spacing, height above the canopy or half width) offsets are metres, else px.
+  /// With a camera and a length (row spacing, height above the canopy or half width) offsets are metres, else
+  /// px.
   std::optional<Camera> camera;
   altitude::FieldKnowledge field;
   Estimate height_above_canopy_m;  ///< as something else measured it; unusable when nothing did
