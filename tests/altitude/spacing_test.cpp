@@ -143,6 +143,7 @@ TEST(OffsetFromRows, AHeightMendsASpacing) {
   const Camera camera = testing::thesis_camera();
   FieldKnowledge field = testing::knowledge_of(world, 0.001);
   field.row_spacing_m = {3.3, 0.3, 1};
+  field.half_width_m = {};  // would tell the metres too
   const AttitudePrior prior = testing::prior_of(world, 0.02, 0.001);
   const auto lines = testing::picture_of(world, camera);
   const Estimate height{world.height_above_canopy_m, 0.01, 1};
