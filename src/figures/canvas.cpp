@@ -186,20 +186,21 @@ int supersampling(int width, int height) {
   return std::clamp(kLargestSidePx / std::max(width, height), 1, kMostSupersampling);
 }
 
-/// Mean of each block of `times` x `times` pixels, turned the right way up.
-Image average_down(const std::uint8_t* pixels, int width, int height, int times) {
-  Image small = image::make_image(width, height, 3);
+/// Writes the mean of each block of `times` x `times` pixels, turned the right way up, to `rows` rows of
+/// `small` from `top` on.
+void average_down(const std::uint8_t* pixels, int times, int top, int rows, Image& small) {
+  const int width = small.width;
   const std::size_t wide_bytes = static_cast<std::size_t>(width) * static_cast<std::size_t>(times) * 3;
   const int count = times * times;
   std::vector<int> sums(wide_bytes);
-  for (int v = 0; v < height; ++v) {
+  for (int v = 0; v < rows; ++v) {
     std::fill(sums.begin(), sums.end(), 0);
     const std::uint8_t* from =
-        pixels + wide_bytes * static_cast<std::size_t>(height - 1 - v) * static_cast<std::size_t>(times);
+        pixels + wide_bytes * static_cast<std::size_t>(rows - 1 - v) * static_cast<std::size_t>(times);
     for (int row = 0; row < times; ++row, from += wide_bytes) {
       for (std::size_t i = 0; i < wide_bytes; ++i) sums[i] += from[i];
     }
-    std::uint8_t* to = small.at(0, v);
+    std::uint8_t* to = small.at(0, top + v);
     const int* block = sums.data();
     for (int u = 0; u < width; ++u, to += 3, block += 3 * static_cast<std::ptrdiff_t>(times)) {
       for (int c = 0; c < 3; ++c) {
@@ -209,7 +210,6 @@ Image average_down(const std::uint8_t* pixels, int width, int height, int times)
       }
     }
   }
-  return small;
 }
 
 /// The process's one context and window. They live to the end: VTK's own statics may be gone when ours would
@@ -243,6 +243,27 @@ std::vector<Image> fitted_pictures(const Drawing& drawing, double px_per_pt) {
   return fitted;
 }
 
+/// Paints strip by strip: of the whole picture, supersampled, the renderer would keep several copies at once,
+/// some hundred MB for a figure of a page's width. Empty where OpenGL gives no pixels.
+Image paint_strips(vtkRenderWindow& window, DrawingItem& item, int width, int height, int times) {
+  constexpr int kStripPx = 80;
+  const int strip_px = std::min(kStripPx, height);
+  window.SetSize(width * times, strip_px * times);
+  Image painted = image::make_image(width, height, 3);
+  vtkNew<vtkUnsignedCharArray> pixels;
+  for (int top = 0; top < height; top += strip_px) {
+    // The last strip may end above the window's lower edge; y runs upwards from there.
+    item.height = static_cast<double>(top + strip_px) * times;
+    window.Render();
+    const int rows = std::min(strip_px, height - top), lowest = (strip_px - rows) * times;
+    constexpr int kBackBuffer = 0;
+    window.GetPixelData(0, lowest, width * times - 1, strip_px * times - 1, kBackBuffer, pixels.Get(), 0);
+    if (pixels->GetNumberOfValues() != static_cast<vtkIdType>(width) * rows * times * times * 3) return {};
+    average_down(pixels->GetPointer(0), times, top, rows, painted);
+  }
+  return painted;
+}
+
 Result<Image> paint_pixels(const Drawing& drawing, double px_per_pt, int width, int height,
                            const std::vector<Image>& pictures) {
   FURROW_TRY(Renderer * gl, renderer());
@@ -254,10 +275,8 @@ Result<Image> paint_pixels(const Drawing& drawing, double px_per_pt, int width, 
   vtkNew<DrawingItem> item;
   item->drawing = &drawing;
   item->scale = px_per_pt * times;
-  item->height = height * times;
   for (const Image& picture : pictures) item->pictures.push_back(texture(picture));
 
-  gl->window->SetSize(width * times, height * times);
   vtkNew<vtkRenderer> layer;
   layer->SetBackground(1.0, 1.0, 1.0);
   vtkNew<vtkContextScene> scene;
@@ -267,16 +286,13 @@ Result<Image> paint_pixels(const Drawing& drawing, double px_per_pt, int width, 
   actor->SetScene(scene);
   layer->AddActor(actor);
   gl->window->AddRenderer(layer);
-  gl->window->Render();
-  vtkNew<vtkUnsignedCharArray> pixels;
-  constexpr int kBackBuffer = 0;
-  gl->window->GetPixelData(0, 0, width * times - 1, height * times - 1, kBackBuffer, pixels.Get(), 0);
+  const Image painted = paint_strips(*gl->window, *item, width, height, times);
   gl->window->RemoveRenderer(layer);
   gl->context->release();
-  if (pixels->GetNumberOfValues() != static_cast<vtkIdType>(width) * height * times * times * 3) {
+  if (painted.empty()) {
     return Error{"no_renderer", "figures", "OpenGL returned no pixels", "a picture", ""};
   }
-  return average_down(pixels->GetPointer(0), width, height, times);
+  return painted;
 }
 
 std::string escape_xml(const std::string& text) {
