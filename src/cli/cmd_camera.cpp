@@ -198,7 +198,7 @@ CLI::App* add_job(CLI::App* parent, Action& action, const std::shared_ptr<Argume
 }
 
 void add_pictures(CLI::App* command, Arguments& arguments) {
-  command->add_option("images", arguments.images, "pictures")->required();
+  command->add_option("images", arguments.images, "pictures, or folders of them")->required();
   command->add_option("--threads", arguments.threads, "0: one per core")->check(CLI::NonNegativeNumber);
 }
 

@@ -111,7 +111,8 @@ Result<project::FollowJobOptions> job_options(const Arguments& arguments) {
 Result<std::unique_ptr<image::PictureSource>> open(const Arguments& arguments) {
   const image::SourceOptions options{arguments.rate_hz, 5.0};
   if (arguments.sources.size() == 1) return image::open_source(arguments.sources.front(), options);
-  return image::open_pictures({arguments.sources.begin(), arguments.sources.end()}, options);
+  FURROW_TRY(auto files, image::picture_files({arguments.sources.begin(), arguments.sources.end()}));
+  return image::open_pictures(std::move(files), options);
 }
 
 void print_outcome(const project::FollowOutcome& outcome, const std::string& out) {

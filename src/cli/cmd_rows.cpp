@@ -63,7 +63,7 @@ int find_rows(const Arguments& arguments) {
 void add_rows(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("rows", "Find the crop rows in pictures");
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("images", arguments->images, "pictures")->required();
+  command->add_option("images", arguments->images, "pictures, or folders of them")->required();
   command->add_option("--out", arguments->out, "folder for rows.json and overlays/")->required();
   command->add_option("--method", arguments->method, "field (default) or thesis")
       ->check(CLI::IsMember({"field", "thesis"}))

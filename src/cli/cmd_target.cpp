@@ -101,7 +101,7 @@ void add_check(CLI::App& target, Action& action) {
   CLI::App* command = target.add_subcommand("check", "Whether a board file describes the board in pictures");
   auto arguments = std::make_shared<CheckArguments>();
   command->add_option("board", arguments->board, "board.yaml")->required();
-  command->add_option("images", arguments->images, "pictures of the board")->required();
+  command->add_option("images", arguments->images, "pictures of the board, or folders of them")->required();
   command->add_option("--threads", arguments->threads, "0: one per core")->check(CLI::NonNegativeNumber);
   command->add_flag("--json", arguments->json, "print JSON");
   command->footer("Example: furrow target check calib_targets/opencv-9x6-25mm.yaml boards/*.jpg");

@@ -219,6 +219,11 @@ Result<std::vector<fs::path>> pictures_in(const fs::path& folder) {
   return files;
 }
 
+/// Whether a name can only be a pattern: there is no file of that very name.
+bool is_pattern(const fs::path& name) {
+  return name.string().find_first_of("*?") != std::string::npos && !fs::exists(name);
+}
+
 std::optional<int> camera_number(const std::string& what) {
   constexpr std::string_view kDevice = "/dev/video";
   const std::string_view digits =
@@ -235,6 +240,20 @@ void silence_libraries() {
   av_log_set_callback([](void*, int, const char*, va_list) {});
 }
 
+Result<std::vector<fs::path>> picture_files(const std::vector<fs::path>& named) {
+  std::vector<fs::path> files;
+  for (const fs::path& one : named) {
+    std::vector<fs::path> found{one};
+    if (fs::is_directory(one)) {
+      FURROW_TRY(found, pictures_in(one));
+    } else if (is_pattern(one)) {
+      FURROW_TRY(found, base::expand_pattern(one.string(), "."));
+    }
+    files.insert(files.end(), found.begin(), found.end());
+  }
+  return files;
+}
+
 std::unique_ptr<PictureSource> open_pictures(std::vector<fs::path> files, const SourceOptions& options) {
   check(options.assumed_rate_hz > 0.0, "open_pictures: the rate must be positive");
   const std::string name = files.empty() ? "" : files.front().parent_path().string();
@@ -247,7 +266,7 @@ Result<std::unique_ptr<PictureSource>> open_source(const std::string& what, cons
   std::error_code code;
   const auto status = fs::status(what, code);
   if (fs::is_directory(status)) {
-    FURROW_TRY(std::vector<fs::path> files, pictures_in(what));
+    FURROW_TRY(std::vector<fs::path> files, picture_files({what}));
     return std::unique_ptr<PictureSource>(new PictureFiles(std::move(files), what, options.assumed_rate_hz));
   }
   if (fs::is_regular_file(status)) {
@@ -256,8 +275,8 @@ Result<std::unique_ptr<PictureSource>> open_source(const std::string& what, cons
   }
   if (what.find("://") != std::string::npos) return open_stream(what, SourceKind::live, options);
   if (const auto number = camera_number(what)) return open_camera(what, *number, options);
-  if (what.find_first_of("*?") != std::string::npos) {
-    FURROW_TRY(std::vector<fs::path> files, base::expand_pattern(what, "."));
+  if (is_pattern(what)) {
+    FURROW_TRY(std::vector<fs::path> files, picture_files({what}));
     return open_pictures(std::move(files), options);
   }
   if (fs::exists(status))  // a pipe could make the reader wait for ever

@@ -3,6 +3,7 @@
 #include "furrow/calib/mrcal_inputs.h"
 #include "furrow/camera/model_files.h"
 #include "furrow/figures/figures.h"
+#include "furrow/image/video.h"
 #include "furrow/project/jobs.h"
 #include "furrow/report/page.h"
 #include "project/calibration_outputs.h"
@@ -64,9 +65,10 @@ Status write_calibration(const std::filesystem::path& out, const JudgedCalibrati
   return base::write_file(out / "verdict.json", calib::to_json(judged.verdict));
 }
 
-Result<JudgedCalibration> calibrate_from_pictures(const std::vector<std::filesystem::path>& images,
+Result<JudgedCalibration> calibrate_from_pictures(const std::vector<std::filesystem::path>& named,
                                                   const BoardSource& source,
                                                   const CalibrateJobOptions& options, const JobOptions& job) {
+  FURROW_TRY(const auto images, image::picture_files(named));
   FURROW_TRY(const target::BoardSpec board, board_from(source, images, job));
   const auto detections = target::detect_boards(images, board, {}, job.threads, job.progress);
   calib::CalibrateOptions solve = options.solve;

@@ -12,6 +12,7 @@
 #include "furrow/geom/angles.h"
 #include "furrow/image/image.h"
 #include "furrow/image/remap.h"
+#include "furrow/image/video.h"
 #include "furrow/target/detect.h"
 
 namespace furrow::project {
@@ -63,6 +64,13 @@ std::vector<Eigen::Vector2d> undistortion(const Camera& lens, const Camera& pinh
   return out;
 }
 
+/// What a picture's undistorted copy is called: JPEG and PNG keep their names, others become PNG.
+std::string undistorted_name(const fs::path& file) {
+  const std::string end = base::to_lower(file.extension().string());
+  const bool keeps = end == ".jpg" || end == ".jpeg" || end == ".png";
+  return keeps ? file.filename().string() : file.stem().string() + ".png";
+}
+
 Status undistort_one(const fs::path& file, const Camera& lens, const std::vector<Eigen::Vector2d>& from_px,
                      const fs::path& out) {
   FURROW_TRY(const Image picture, image::read_image(file));
@@ -70,11 +78,7 @@ Status undistort_one(const fs::path& file, const Camera& lens, const std::vector
     return Error{"picture_size_differs", file.filename().string(), size_of(picture.width, picture.height),
                  "the camera's " + size_of(lens.width, lens.height), ""};
   }
-  const std::string end = base::to_lower(file.extension().string());
-  const fs::path name = end == ".jpg" || end == ".jpeg" || end == ".png"
-                            ? file.filename()
-                            : fs::path(file.stem().string() + ".png");
-  return image::write_image(out / name, image::remap(picture, lens.width, lens.height, from_px));
+  return image::write_image(out, image::remap(picture, lens.width, lens.height, from_px));
 }
 
 Image mask_of(const Camera& lens, const std::vector<Eigen::Vector2d>& from_px, double& masked_share) {
@@ -162,18 +166,22 @@ Status convert_camera(const fs::path& file, const fs::path& out, camera::CameraF
   return base::write_file(out, text);
 }
 
-Result<UndistortOutcome> undistort_pictures(const fs::path& camera, const std::vector<fs::path>& images,
+Result<UndistortOutcome> undistort_pictures(const fs::path& camera, const std::vector<fs::path>& named,
                                             const fs::path& out, const JobOptions& job) {
   FURROW_TRY(const Camera lens, camera::read_camera(camera));
+  FURROW_TRY(const auto images, image::picture_files(named));
+  std::vector<std::string> names;
+  for (const fs::path& file : images) names.push_back(undistorted_name(file));
+  names = base::names_apart(std::move(names), images);
   UndistortOutcome outcome;
   outcome.pinhole = pinhole_like(lens);
   const std::vector<Eigen::Vector2d> from_px = undistortion(lens, outcome.pinhole, job.threads);
   const Image mask = mask_of(lens, from_px, outcome.masked_share);
   for (std::size_t i = 0; i < images.size(); ++i) {
     base::report(job.progress, "undistorting", i, images.size());
-    const Status status = undistort_one(images[i], lens, from_px, out);
+    const Status status = undistort_one(images[i], lens, from_px, out / names[i]);
     if (status.ok()) {
-      outcome.written.push_back(images[i].filename().string());
+      outcome.written.push_back(names[i]);
     } else {
       outcome.failed.push_back(status.error().message());
     }
@@ -212,11 +220,12 @@ Result<DiffOutcome> diff_cameras(const fs::path& a, const fs::path& b, const std
   return outcome;
 }
 
-Result<ValidateOutcome> validate_camera(const fs::path& camera, const std::vector<fs::path>& images,
+Result<ValidateOutcome> validate_camera(const fs::path& camera, const std::vector<fs::path>& named,
                                         const fs::path& board_file, const ValidateLimits& limits,
                                         const JobOptions& job) {
   FURROW_TRY(const Camera old, camera::read_camera(camera));
   FURROW_TRY(const target::BoardSpec board, target::read_board(board_file));
+  FURROW_TRY(const auto images, image::picture_files(named));
   const auto detections = target::detect_boards(images, board, {}, job.threads, job.progress);
   for (const target::BoardDetection& one : detections) {
     if (one.found && (one.width != old.width || one.height != old.height)) {

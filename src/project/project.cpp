@@ -7,6 +7,7 @@
 #include "furrow/base/fields.h"
 #include "furrow/base/file.h"
 #include "furrow/base/text.h"
+#include "furrow/image/video.h"
 
 namespace furrow::project {
 namespace {
@@ -35,13 +36,12 @@ Result<fs::path> resolve(const std::string& text, const fs::path& folder) {
 
 Result<std::vector<fs::path>> resolve_images(const std::vector<std::string>& patterns,
                                              const fs::path& folder) {
-  std::vector<fs::path> images;
+  std::vector<fs::path> named;
   for (const std::string& pattern : patterns) {
-    FURROW_TRY(const std::string expanded, expand(pattern, folder));
-    FURROW_TRY(const auto found, base::expand_pattern(expanded, folder));
-    for (const fs::path& file : found) images.push_back(file.lexically_normal());
+    FURROW_TRY(fs::path one, resolve(pattern, folder));
+    named.push_back(std::move(one));
   }
-  return images;
+  return image::picture_files(named);
 }
 
 Status read_calibrate(const Value& value, const std::string& file, const fs::path& folder, Project& project) {

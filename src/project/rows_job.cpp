@@ -5,6 +5,7 @@
 #include "furrow/base/file.h"
 #include "furrow/base/parallel.h"
 #include "furrow/figures/figures.h"
+#include "furrow/image/video.h"
 #include "furrow/project/jobs.h"
 #include "furrow/rows/thesis.h"
 
@@ -121,8 +122,9 @@ Value rows_document(const std::vector<RowsOfImage>& images) {
   return document;
 }
 
-Result<std::vector<RowsOfImage>> rows_job(const std::vector<fs::path>& images, const fs::path& out,
+Result<std::vector<RowsOfImage>> rows_job(const std::vector<fs::path>& named, const fs::path& out,
                                           const RowsJobOptions& options, const JobOptions& job) {
+  FURROW_TRY(const auto images, image::picture_files(named));
   const std::vector<std::string> names = names_of(images);
   std::vector<RowsOfImage> results(images.size());
   std::optional<Error> failure;

@@ -1,6 +1,7 @@
 #include "furrow/project/target_jobs.h"
 
 #include "furrow/base/file.h"
+#include "furrow/image/video.h"
 
 namespace furrow::project {
 
@@ -15,9 +16,10 @@ Result<target::Sheet> sheet_job(const std::filesystem::path& board_file, const s
 }
 
 Result<target::BoardCheck> check_board_job(const std::filesystem::path& board_file,
-                                           const std::vector<std::filesystem::path>& images,
+                                           const std::vector<std::filesystem::path>& named,
                                            const JobOptions& job) {
   FURROW_TRY(const target::BoardSpec board, target::read_board(board_file));
+  FURROW_TRY(const auto images, image::picture_files(named));
   return target::check_board(images, board, {}, job.threads, job.progress);
 }
 

@@ -20,6 +20,33 @@ for name in "left/board 1.jpg" "right/board 1.jpg"; do
 done
 cmp "$out/twins/camera.yaml" "$out/twins again/camera.yaml" || die "the order of the files changed the camera"
 
+# Folders and patterns stand for their pictures: the same bytes. A folder's notes are no pictures.
+echo "taken in May" > left/notes.txt
+"$furrow" calibrate --target "$board" --out "$out/folders" left right > /dev/null 2>&1
+"$furrow" calibrate --target "$board" --out "$out/mixed" "left/board 1.jpg" left/board\ [234].jpg 'right/*.jpg' > /dev/null 2>&1
+cmp "$out/twins/calibration.json" "$out/folders/calibration.json" || die "folders gave another calibration than their pictures"
+cmp "$out/twins/calibration.json" "$out/mixed/calibration.json" || die "pictures and a pattern gave another calibration"
+expect_exit 0 "$furrow" target check "$board" left right
+expect_says "fits 8 of 8"
+expect_exit 0 "$furrow" camera undistort "$out/twins/camera.yaml" left right --out "$out/flat"
+expect_file "$out/flat/left/board 1.jpg"
+expect_file "$out/flat/right/board 1.jpg"
+"$furrow" camera validate "$out/twins/camera.yaml" left right --target "$board" > "$said" 2>&1
+expect_says "Still good"
+expect_exit 0 "$furrow" rows --no-overlays --out "$out/rows" left
+mkdir "$out/no pictures" && echo "later" > "$out/no pictures/notes.txt"
+for words in "calibrate --target $board --out $out/none" "target check $board" "camera undistort $out/twins/camera.yaml --out $out/none" \
+  "camera validate $out/twins/camera.yaml --target $board" "rows --out $out/none"; do
+  expect_exit 2 "$furrow" $words left "$out/no pictures"
+  expect_says "no pictures: the folder holds no picture"
+done
+
+# What is solved and which corners count.
+"$furrow" calibrate --target "$board" --out "$out/aspect" --squares unknown_aspect --corner-outliers 3 --view-outliers 3 --weigh-corners left right > "$said" 2>&1
+grep -qE '"board_aspect": \{' "$out/aspect/calibration.json" || die "the board's aspect was not solved"
+grep -qE '"corners_left_out": [1-9]' "$out/aspect/calibration.json" || die "no corner was left out"
+expect_exit 2 "$furrow" calibrate --target "$board" --out "$out/aspect" --squares oblong left
+
 # One picture, and three copies of it.
 expect_exit 2 "$furrow" calibrate --target "$board" --out "$out/one" "left/board 1.jpg"
 expect_says "1 usable boards in 1 pictures"

@@ -51,6 +51,11 @@ struct SourceOptions {
   double silence_s = 5.0;
 };
 
+/// The pictures that a person named: a folder stands for the pictures in it (JPEG, PNG, TIFF, BMP, in natural
+/// order; folders in it are not entered), a pattern for the files that match, and anything else for itself,
+/// whether it is there or not. Errors: no_match (a folder without a picture, a pattern without a match).
+Result<std::vector<std::filesystem::path>> picture_files(const std::vector<std::filesystem::path>& named);
+
 /// Opens whatever a person may name: a video file (everything FFmpeg reads), a folder (its pictures in
 /// natural order), a pattern, one picture, a camera ("/dev/video0" or "0"), or a stream ("rtsp://...").
 /// Turning by metadata is NOT applied: a camera model belongs to the sensor's own pixels. Errors:

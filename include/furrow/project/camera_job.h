@@ -43,9 +43,9 @@ struct UndistortOutcome {
   std::vector<std::string>
       failed;  ///< a sentence for each picture that could not be read or has another size
 };
-/// Pictures as a pinhole of the same focal length and size sees them, with camera.yaml and mask.png (white
-/// where the pictures hold something), into `out`. A picture that fails costs no other. Errors: those of
-/// read_camera and of writing; nothing_undistorted when every picture failed.
+/// Pictures (files, folders, patterns) as a pinhole of the same focal length and size sees them, with
+/// camera.yaml and mask.png (white where the pictures hold something), into `out`. A picture that fails costs
+/// no other. Errors: those of read_camera and of writing; nothing_undistorted when every picture failed.
 Result<UndistortOutcome> undistort_pictures(const std::filesystem::path& camera,
                                             const std::vector<std::filesystem::path>& images,
                                             const std::filesystem::path& out, const JobOptions& job = {});
@@ -78,7 +78,8 @@ struct ValidateOutcome {
   bool still_good = false;
   std::string sentence;
 };
-/// Errors: those of read_camera and read_board; picture_sizes_differ; too_few_boards.
+/// `images` may be folders and patterns. Errors: those of read_camera, read_board and picture_files;
+/// picture_sizes_differ; too_few_boards.
 Result<ValidateOutcome> validate_camera(const std::filesystem::path& camera,
                                         const std::vector<std::filesystem::path>& images,
                                         const std::filesystem::path& board, const ValidateLimits& limits = {},

@@ -42,9 +42,10 @@ struct BoardSource {
   double square_m = 0.0;       ///< of a board that is counted; 0: not told
 };
 
-/// Boards in pictures -> camera.cameramodel, camera.yaml (each where the format knows the lens),
-/// calibration.json, verdict.json, report.html, figures/ in `out`. Errors: those of read_board, calibrate and
-/// file writing; board_unknown (none was described and none counted), square_unknown (says what was counted).
+/// Boards in pictures (files, folders, patterns: image::picture_files) -> camera.cameramodel, camera.yaml
+/// (each where the format knows the lens), calibration.json, verdict.json, report.html, figures/ in `out`.
+/// Errors: those of read_board, calibrate and file writing; board_unknown (none was described and none
+/// counted), square_unknown (says what was counted).
 Result<CalibrateOutcome> calibrate_job(const std::vector<std::filesystem::path>& images,
                                        const BoardSource& board, const CalibrateJobOptions& options,
                                        const std::filesystem::path& out, const JobOptions& job = {});
@@ -66,8 +67,8 @@ struct RowsJobOptions {
   std::optional<std::filesystem::path> steps;
 };
 
-/// Pictures -> rows.json and overlays in `out`. A picture that cannot be read has a status and the rest goes
-/// on.
+/// Pictures (files, folders, patterns) -> rows.json and overlays in `out`. A picture that cannot be read has
+/// a status and the rest goes on.
 Result<std::vector<RowsOfImage>> rows_job(const std::vector<std::filesystem::path>& images,
                                           const std::filesystem::path& out,
                                           const RowsJobOptions& options = {}, const JobOptions& job = {});

@@ -14,7 +14,8 @@ namespace furrow::project {
 Result<target::Sheet> sheet_job(const std::filesystem::path& board_file, const std::string& paper,
                                 const std::filesystem::path& out, double dpi);
 
-/// Board file and pictures -> whether they fit each other. Errors: those of read_board.
+/// Board file and pictures (files, folders, patterns) -> whether they fit each other. Errors: those of
+/// read_board and picture_files.
 Result<target::BoardCheck> check_board_job(const std::filesystem::path& board_file,
                                            const std::vector<std::filesystem::path>& images,
                                            const JobOptions& job = {});
