@@ -22,6 +22,8 @@ bool are_ids(const std::vector<int>& ids, std::size_t corners) {
 View start_view(const target::BoardDetection& detection, const target::BoardSpec& board) {
   View view;
   view.image = detection.image;
+  view.search_steps = detection.search_steps;
+  view.search_cut = detection.search_cut;
   view.rms_px = view.mean_error_px = kNan;
   const auto all = static_cast<std::size_t>(board.corners_x) * static_cast<std::size_t>(board.corners_y);
   const auto wanted = detection.corner_ids.empty() ? all : detection.corner_ids.size();

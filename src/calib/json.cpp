@@ -47,6 +47,8 @@ Value view_entry(const View& view) {
   out.set("rms_px", view.rms_px);
   out.set("mean_error_px", view.mean_error_px);
   out.set("reason", view.reason);
+  out.set("search_steps", view.search_steps);
+  out.set("search_cut", view.search_cut);
   if (!view.used) return out;
   const Eigen::Vector3d rotation = geom::rotation_vector(view.cam_from_board.rotation);
   const Eigen::Vector3d& translation = view.cam_from_board.translation;
@@ -112,6 +114,7 @@ std::string to_json(const Calibration& calibration) {
   Array warnings;
   for (const std::string& text : calibration.warnings) warnings.emplace_back(text);
   out.set("warnings", warnings);
+  out.set("search_steps_bound", target::kMostSearchSteps);
   Array views;
   for (const View& view : calibration.views) views.push_back(view_entry(view));
   out.set("views", views);

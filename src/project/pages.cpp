@@ -1,5 +1,6 @@
 #include "project/pages.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -65,6 +66,27 @@ report::PageTable view_table(const calib::Calibration& calibration,
          known ? growth(gains[i].picture) : "", view.reason});
   }
   return table;
+}
+
+/// How much of its bound the search for the boards took, and in which pictures it left something out.
+std::string search_words(const std::vector<calib::View>& views) {
+  const auto most = std::max_element(
+      views.begin(), views.end(),
+      [](const calib::View& a, const calib::View& b) { return a.search_steps < b.search_steps; });
+  if (most == views.end()) return "";
+  constexpr double kMillion = 1e6;
+  const auto bound = static_cast<double>(target::kMostSearchSteps),
+             steps = static_cast<double>(most->search_steps);
+  std::string cut;
+  for (const calib::View& view : views) {
+    if (view.search_cut) cut += (cut.empty() ? "" : ", ") + view.image;
+  }
+  return "The search for a board ends at " + format_fixed(bound / kMillion, 0) +
+         " million steps a picture (pixels looked at, pairs of corners compared); the most was " +
+         format_fixed(steps / kMillion, 1) + " million (" + format_fixed(100.0 * steps / bound, 1) +
+         " %), in " + most->image + ". " +
+         (cut.empty() ? "Nothing was left out."
+                      : "So full of detail that weaker corners were left out: " + cut + ".");
 }
 
 /// What the set lacks, in words, and the poses that would help most.
@@ -271,6 +293,7 @@ report::Section calibration_section(const calib::Calibration& calibration, const
   if (!calibration.model_choice.empty()) section.paragraphs.push_back(calibration.model_choice);
   section.paragraphs.insert(section.paragraphs.end(), calibration.warnings.begin(),
                             calibration.warnings.end());
+  section.paragraphs.push_back(search_words(calibration.views));
   section.findings = findings;
   section.tables = {camera_table(calibration.camera), view_table(calibration, verdict.gains)};
   add_next_pictures(verdict, section);

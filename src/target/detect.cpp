@@ -72,14 +72,15 @@ std::string what_was_seen(const Found& seen, const BoardSpec& board) {
 }
 
 /// detect_board() for a board that must be seen whole.
-BoardDetection detect_checkerboard(const Image& grey, const BoardSpec& board, const DetectOptions& options) {
+BoardDetection detect_checkerboard(const Image& grey, const BoardSpec& board, const DetectOptions& options,
+                                   SearchWork& work) {
   BoardDetection out;
   out.width = grey.width;
   out.height = grey.height;
   const std::string wanted = size_name(board.corners_x, board.corners_y);
   out.reason = "no board of " + wanted + " inner corners found";
   const Coarse coarse = coarse_copy(grey, std::max(64, options.coarse_side_px));
-  const Found seen = find_grid(coarse.grey, board.corners_x, board.corners_y);
+  const Found seen = find_grid(coarse.grey, board.corners_x, board.corners_y, work);
   if (seen.grid.px.empty()) {
     out.reason += what_was_seen(seen, board);
     return out;
@@ -120,9 +121,13 @@ BoardDetection detect_board(const Image& picture, const BoardSpec& board, const 
   out.reason = "the picture is too small for a board";
   if (picture.empty() || std::min(picture.width, picture.height) < 2 * kSmallestSquarePx) return out;
   const Image grey = image::to_grey(picture);
-  out = board.kind == BoardKind::checkerboard ? detect_checkerboard(grey, board, options)
-                                              : detect_marker_board(grey, board, options);
+  SearchWork work;
+  out = board.kind == BoardKind::checkerboard ? detect_checkerboard(grey, board, options, work)
+                                              : detect_marker_board(grey, board, options, work);
+  out.search_steps = work.steps();
+  out.search_cut = work.cut();
   if (out.found) return out;
+  if (out.search_cut) out.reason += "; the picture is so full of detail that weaker corners were left out of the search";
   const std::string fault = picture_fault(coarse_copy(grey, std::max(64, options.coarse_side_px)).grey);
   if (!fault.empty()) out.reason += "; " + fault;
   return out;

@@ -43,18 +43,18 @@ double area_px2(const Grid& grid) {
 }
 
 /// Search at one size of the picture.
-Found find_at_scale(const Image& grey, int columns, int rows) {
+Found find_at_scale(const Image& grey, int columns, int rows, SearchWork& work) {
   const SmoothGrey smoothed = smooth(grey);
-  const std::vector<Saddle> saddles = find_saddles(smoothed);
+  const std::vector<Saddle> saddles = find_saddles(smoothed, work);
   Found out;
   // Lattices of fewer corners than a quarter of the board are clutter; so is one of which a quarter had to be
   // cut off.
   const std::size_t fewest = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows) / 4;
   constexpr double kMostCutOff = 0.25;
   double largest_px2 = 0.0;
-  for (const Lattice& seen : join_seeds(smoothed, find_corner_seeds(smoothed, saddles))) {
+  for (const Lattice& seen : join_seeds(smoothed, find_corner_seeds(smoothed, saddles), work)) {
     if (seen.size() < fewest) break;
-    const Lattice lattice = completed(seen, saddles, columns, rows);
+    const Lattice lattice = completed(seen, saddles, columns, rows, work);
     const Extent e = extent(lattice);
     const bool full = is_full(lattice);
     const bool cut =
@@ -92,13 +92,14 @@ std::vector<double> scales(const Image& grey) {
 
 }  // namespace
 
-Found find_grid(const Image& grey, int columns, int rows) {
+Found find_grid(const Image& grey, int columns, int rows, SearchWork& work) {
   Found best;
   for (const double scale : scales(grey)) {
     const int width = static_cast<int>(std::lround(grey.width * scale)),
               height = static_cast<int>(std::lround(grey.height * scale));
     if (std::max(width, height) < kSmallestSidePx || std::min(width, height) < 1) continue;
-    Found found = find_at_scale(scale < 1.0 ? image::resize(grey, width, height) : grey, columns, rows);
+    if (!work.spend(static_cast<std::int64_t>(width) * height)) break;
+    Found found = find_at_scale(scale < 1.0 ? image::resize(grey, width, height) : grey, columns, rows, work);
     if (!found.grid.px.empty() && (found.fault.empty() || best.grid.px.empty())) {
       const double su = static_cast<double>(grey.width) / width,
                    sv = static_cast<double>(grey.height) / height;
@@ -112,6 +113,7 @@ Found find_grid(const Image& grey, int columns, int rows) {
 }
 
 Grid find_any_grid(const Image& grey) {
+  SearchWork work;
   Grid best;
   constexpr int kFewestCorners = 3;
   for (const double scale : scales(grey)) {
@@ -120,11 +122,11 @@ Grid find_any_grid(const Image& grey) {
     if (std::max(width, height) < kSmallestSidePx || std::min(width, height) < 1) continue;
     const Image picture = scale < 1.0 ? image::resize(grey, width, height) : grey;
     const SmoothGrey smoothed = smooth(picture);
-    const std::vector<Saddle> saddles = find_saddles(smoothed);
-    const std::vector<Lattice> lattices = join_seeds(smoothed, find_corner_seeds(smoothed, saddles));
+    const std::vector<Saddle> saddles = find_saddles(smoothed, work);
+    const std::vector<Lattice> lattices = join_seeds(smoothed, find_corner_seeds(smoothed, saddles), work);
     if (lattices.empty()) continue;
     // Wanting nothing larger, completed() only trims and fills.
-    const Lattice lattice = completed(lattices.front(), saddles, 0, 0);
+    const Lattice lattice = completed(lattices.front(), saddles, 0, 0, work);
     const Extent e = extent(lattice);
     if (e.columns < kFewestCorners || e.rows < kFewestCorners || !is_full(lattice)) continue;
     Grid grid = to_grid(lattice);

@@ -2,6 +2,7 @@
 #include <string>
 
 #include "target/grid.h"
+#include "target/search_work.h"
 
 namespace furrow::target {
 
@@ -15,9 +16,8 @@ struct Found {
 };
 
 /// Looks for columns x rows corners: saddles of brightness with four edges, joined along their edges into
-/// lattices (docs/formulation/ calibration.md). The work is bounded by the picture's size and a fixed count
-/// of saddles.
-Found find_grid(const Image& grey, int columns, int rows);
+/// lattices (docs/formulation/ calibration.md). Counts what it costs, and stops where `work` ends.
+Found find_grid(const Image& grey, int columns, int rows, SearchWork& work);
 
 /// The largest whole grid in the picture whose squares alternate and lie on a plane, whatever its counts;
 /// empty when there is none of at least 3 x 3.

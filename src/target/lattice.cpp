@@ -12,6 +12,12 @@ namespace furrow::target {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+
+/// How many there are, as steps of work.
+std::int64_t size_of(const auto& things) {
+  return static_cast<std::int64_t>(things.size());
+}
+
 constexpr int kNone = -1;
 
 double turn_between(double a_rad, double b_rad) {
@@ -211,12 +217,14 @@ std::optional<Eigen::Vector2d> corner_in_hole(const Lattice& lattice, const std:
 /// Holes that may be filled, as a share of the corners seen: more are another thing's.
 constexpr double kMostHoles = 0.15;
 
-void fill_holes(Lattice& lattice, const std::vector<Saddle>& saddles) {
+void fill_holes(Lattice& lattice, const std::vector<Saddle>& saddles, SearchWork& work) {
   const Extent e = extent(lattice);
   const double holes = e.columns * e.rows - static_cast<double>(lattice.size());
   if (holes > kMostHoles * static_cast<double>(lattice.size())) return;
   // Each round may enable the next; no board needs more than its longer side.
   for (int round = 0; round < std::max(e.columns, e.rows); ++round) {
+    const std::int64_t places = static_cast<std::int64_t>(e.columns) * e.rows;
+    if (!work.spend(places + (places - size_of(lattice)) * size_of(saddles))) return;
     bool any = false;
     for (int j = e.j0; j < e.j0 + e.rows; ++j) {
       for (int i = e.i0; i < e.i0 + e.columns; ++i) {
@@ -261,11 +269,12 @@ bool trim_once(Lattice& lattice) {
 }
 
 /// Adds the line of corners beyond one side when every one of them has a saddle; whether it added any.
-bool extend(Lattice& lattice, const std::vector<Saddle>& saddles, int di, int dj) {
+bool extend(Lattice& lattice, const std::vector<Saddle>& saddles, int di, int dj, SearchWork& work) {
   const Extent e = extent(lattice);
-  const int count = di != 0 ? e.rows : e.columns;
+  const int length = di != 0 ? e.rows : e.columns;
+  if (!work.spend(length * size_of(saddles))) return false;
   Lattice added;
-  for (int n = 0; n < count; ++n) {
+  for (int n = 0; n < length; ++n) {
     const int i = di == 0 ? e.i0 + n : (di > 0 ? e.i0 + e.columns : e.i0 - 1);
     const int j = dj == 0 ? e.j0 + n : (dj > 0 ? e.j0 + e.rows : e.j0 - 1);
     const auto prediction = predict_beyond(lattice, i, j, -di, -dj);
@@ -292,9 +301,10 @@ double kink(const Lattice& lattice, const std::pair<int, int>& place) {
 
 /// Takes off the corners that bend the lattice most, worst first: a stain between two corners, joined by
 /// chance. What perspective and a lens do between neighbours stays well below the limit.
-void take_off_kinks(Lattice& lattice) {
+void take_off_kinks(Lattice& lattice, SearchWork& work) {
   constexpr double kLargestKink = 0.3;
-  while (true) {
+  constexpr std::int64_t kStepsPerKink = 40;  // what ten searches in a map take, in comparisons
+  while (work.spend(kStepsPerKink * size_of(lattice))) {
     auto worst = lattice.end();
     double largest = kLargestKink;
     for (auto it = lattice.begin(); it != lattice.end(); ++it) {
@@ -327,7 +337,9 @@ Extent extent(const Lattice& lattice) {
   return {i0, j0, i1 - i0 + 1, j1 - j0 + 1};
 }
 
-std::vector<Lattice> join_seeds(const SmoothGrey& grey, const std::vector<CornerSeed>& seeds) {
+std::vector<Lattice> join_seeds(const SmoothGrey& grey, const std::vector<CornerSeed>& seeds,
+                                SearchWork& work) {
+  if (!work.spend(4 * size_of(seeds) * size_of(seeds))) return {};
   const Links links = link_seeds(grey, seeds);
   std::vector<bool> taken(seeds.size(), false);
   std::vector<Lattice> out;
@@ -339,11 +351,12 @@ std::vector<Lattice> join_seeds(const SmoothGrey& grey, const std::vector<Corner
   return out;
 }
 
-Lattice completed(Lattice lattice, const std::vector<Saddle>& saddles, int columns, int rows) {
-  take_off_kinks(lattice);
-  while (!lattice.empty() && trim_once(lattice)) {
+Lattice completed(Lattice lattice, const std::vector<Saddle>& saddles, int columns, int rows,
+                  SearchWork& work) {
+  take_off_kinks(lattice, work);
+  while (!lattice.empty() && work.spend(size_of(lattice)) && trim_once(lattice)) {
   }
-  fill_holes(lattice, saddles);
+  fill_holes(lattice, saddles, work);
   bool grown = true;
   while (grown) {
     grown = false;
@@ -351,7 +364,7 @@ Lattice completed(Lattice lattice, const std::vector<Saddle>& saddles, int colum
       const Extent e = extent(lattice);
       if (!fits_within({e.i0, e.j0, e.columns + std::abs(di), e.rows + std::abs(dj)}, columns, rows))
         continue;
-      grown = extend(lattice, saddles, di, dj) || grown;
+      grown = extend(lattice, saddles, di, dj, work) || grown;
     }
   }
   return lattice;

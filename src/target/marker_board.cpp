@@ -282,11 +282,11 @@ struct Seen {
   std::size_t read = 0;  ///< markers of the dictionary, the board's or not
 };
 
-Seen look(const Image& grey, const BoardSpec& board, const DetectOptions& options) {
+Seen look(const Image& grey, const BoardSpec& board, const DetectOptions& options, SearchWork& work) {
   Seen best;
   for (const int longest_px : {std::max(64, options.coarse_side_px), std::max(grey.width, grey.height)}) {
     Seen seen{coarse_copy(grey, longest_px), {}, 0};
-    const auto found = find_markers(seen.coarse.grey, board);
+    const auto found = find_markers(seen.coarse.grey, board, work);
     seen.read = found.size();
     seen.markers = markers_on_board(found, board);
     const bool better = best.coarse.grey.empty() || seen.markers.size() > best.markers.size();
@@ -303,7 +303,10 @@ using SeenInPictures = std::vector<std::vector<SeenMarker>>;
 
 SeenInPictures markers_in(const std::vector<Image>& greys, const BoardSpec& board) {
   SeenInPictures out;
-  for (const Image& grey : greys) out.push_back(find_markers(grey, board));
+  for (const Image& grey : greys) {
+    SearchWork work;
+    out.push_back(find_markers(grey, board, work));
+  }
   return out;
 }
 
@@ -410,11 +413,12 @@ std::string explain_marker_board(const std::vector<Image>& greys, const BoardSpe
          " markers seen, " + name_counts(described) + " only " + std::to_string(own);
 }
 
-BoardDetection detect_marker_board(const Image& grey, const BoardSpec& board, const DetectOptions& options) {
+BoardDetection detect_marker_board(const Image& grey, const BoardSpec& board, const DetectOptions& options,
+                                   SearchWork& work) {
   BoardDetection out;
   out.width = grey.width;
   out.height = grey.height;
-  const Seen seen = look(grey, board, options);
+  const Seen seen = look(grey, board, options, work);
   if (seen.markers.size() < 2) {
     out.reason = seen.read == 0 ? "no marker of " + board.dictionary + " found"
                                 : std::to_string(seen.read) + " markers of " + board.dictionary +

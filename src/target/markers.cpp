@@ -1,7 +1,9 @@
 #include "target/markers.h"
 
 #include <algorithm>
+#include <functional>
 #include <opencv2/aruco.hpp>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "furrow/base/text.h"
@@ -60,7 +62,41 @@ std::array<Eigen::Vector2d, 4> around(const Eigen::Vector2d& low, const Eigen::V
   return {low, Eigen::Vector2d(high.x(), low.y()), high, Eigen::Vector2d(low.x(), high.y())};
 }
 
-std::vector<SeenMarker> find_with_border(const Image& grey, const BoardSpec& board, int border) {
+/// Most outlines with four corners that are looked at; the largest boards have some hundred markers.
+constexpr std::size_t kMostOutlines = 2000;
+
+/// Length from which on at most kMostOutlines outlines with four corners are longer, px; nothing where there
+/// are no more than that. Outlines are found as OpenCV's detector finds them, at the middle one of its
+/// thresholds.
+std::optional<std::size_t> shortest_outline_px(const cv::Mat& picture,
+                                               const cv::aruco::DetectorParameters& detector,
+                                               SearchWork& work) {
+  const int window = (detector.adaptiveThreshWinSizeMin + detector.adaptiveThreshWinSizeMax) / 2 | 1;
+  cv::Mat dark;
+  cv::adaptiveThreshold(picture, dark, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY_INV, window,
+                        detector.adaptiveThreshConstant);
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(dark, outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
+  const double shortest_px = detector.minMarkerPerimeterRate * std::max(picture.cols, picture.rows);
+  std::vector<std::size_t> lengths_px;
+  std::vector<cv::Point> corners;
+  for (const auto& outline : outlines) {
+    const auto length_px = static_cast<double>(outline.size());
+    if (length_px < shortest_px) continue;
+    cv::approxPolyDP(outline, corners, length_px * detector.polygonalApproxAccuracyRate, true);
+    if (corners.size() == 4 && cv::isContourConvex(corners)) lengths_px.push_back(outline.size());
+  }
+  const std::size_t looked_at = std::min(lengths_px.size(), kMostOutlines);
+  work.spend(static_cast<std::int64_t>(looked_at * looked_at));
+  if (lengths_px.size() <= kMostOutlines) return std::nullopt;
+  const auto last = lengths_px.begin() + kMostOutlines;
+  std::nth_element(lengths_px.begin(), last, lengths_px.end(), std::greater<>());
+  work.leave_out();
+  return *last + 1;
+}
+
+std::vector<SeenMarker> find_with_border(const Image& grey, const BoardSpec& board, int border,
+                                         SearchWork& work) {
   const auto dictionary = opencv_dictionary(board.dictionary);
   check(dictionary && grey.channels == 1, "find_markers: a grey picture and a known dictionary");
   auto parameters = cv::aruco::DetectorParameters::create();
@@ -68,9 +104,13 @@ std::vector<SeenMarker> find_with_border(const Image& grey, const BoardSpec& boa
   // Markers of 0.25 % of the picture's longer side are read; OpenCV's own limit is for one marker before the
   // camera.
   parameters->minMarkerPerimeterRate = 0.01;
+  const cv::Mat picture(grey.height, grey.width, CV_8U, const_cast<std::uint8_t*>(grey.data.data()));
+  if (!work.spend(static_cast<std::int64_t>(grey.width) * grey.height)) return {};
+  const int longest_px = std::max(grey.width, grey.height);
+  if (const auto least_px = shortest_outline_px(picture, *parameters, work))
+    parameters->minMarkerPerimeterRate = (static_cast<double>(*least_px) + 0.5) / longest_px;
   std::vector<std::vector<cv::Point2f>> corners;
   std::vector<int> ids;
-  const cv::Mat picture(grey.height, grey.width, CV_8U, const_cast<std::uint8_t*>(grey.data.data()));
   cv::aruco::detectMarkers(picture, dictionary, corners, ids, parameters);
   std::vector<SeenMarker> out;
   for (std::size_t m = 0; m < ids.size(); ++m) {
@@ -155,10 +195,10 @@ std::array<Eigen::Vector2d, 4> marker_in_board(const BoardSpec& board, int id) {
   return around(middle - half, middle + half);
 }
 
-std::vector<SeenMarker> find_markers(const Image& grey, const BoardSpec& board) {
-  if (board.kind != BoardKind::aprilgrid) return find_with_border(grey, board, kMarkerBorder);
-  auto tags = find_with_border(grey, board, kTagBorder);
-  return tags.empty() ? find_with_border(grey, board, kMarkerBorder) : tags;
+std::vector<SeenMarker> find_markers(const Image& grey, const BoardSpec& board, SearchWork& work) {
+  if (board.kind != BoardKind::aprilgrid) return find_with_border(grey, board, kMarkerBorder, work);
+  auto tags = find_with_border(grey, board, kTagBorder, work);
+  return tags.empty() ? find_with_border(grey, board, kMarkerBorder, work) : tags;
 }
 
 }  // namespace furrow::target

@@ -7,6 +7,7 @@
 
 #include "furrow/image/image.h"
 #include "furrow/target/board.h"
+#include "target/search_work.h"
 
 namespace furrow::target {
 
@@ -55,7 +56,8 @@ struct SeenMarker {
 
 /// Markers of a board's dictionary in a grey picture, by id, those that are not on the board included; two of
 /// the same id both stand. OpenCV's detector; of its own for AprilTags it finds fewer where tags touch small
-/// squares (measured: 1 of 24 against 24 of 24). Tags with a border of one module are read too.
-std::vector<SeenMarker> find_markers(const Image& grey, const BoardSpec& board);
+/// squares (measured: 1 of 24 against 24 of 24). Tags with a border of one module are read too. Of more than
+/// 2000 outlines with four corners the smaller ones are left out: OpenCV compares each with each.
+std::vector<SeenMarker> find_markers(const Image& grey, const BoardSpec& board, SearchWork& work);
 
 }  // namespace furrow::target

@@ -129,7 +129,7 @@ SmoothGrey smooth(const Image& grey) {
   return out;
 }
 
-std::vector<Saddle> find_saddles(const SmoothGrey& grey) {
+std::vector<Saddle> find_saddles(const SmoothGrey& grey, SearchWork& work) {
   std::vector<float> strength(grey.data.size(), 0.0F);
   for (int v = 1; v + 1 < grey.height; ++v) {
     for (int u = 1; u + 1 < grey.width; ++u) {
@@ -155,7 +155,10 @@ std::vector<Saddle> find_saddles(const SmoothGrey& grey) {
   }
   std::stable_sort(out.begin(), out.end(),
                    [](const Saddle& a, const Saddle& b) { return a.strength > b.strength; });
-  if (out.size() > kMostSaddles) out.resize(kMostSaddles);
+  if (out.size() > kMostSaddles) {
+    out.resize(kMostSaddles);
+    work.leave_out();
+  }
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "furrow/image/image.h"
+#include "target/search_work.h"
 
 namespace furrow::target {
 
@@ -29,7 +30,8 @@ struct Saddle {
   Eigen::Vector2d px;
   double strength = 0.0;  ///< Ixy^2 - Ixx Iyy
 };
-std::vector<Saddle> find_saddles(const SmoothGrey& grey);
+/// At most 4000 of them; weaker ones are left out.
+std::vector<Saddle> find_saddles(const SmoothGrey& grey, SearchWork& work);
 
 /// A saddle that looks like the corner of four squares: four edges leave it, by turns with the bright side to
 /// their left and right.

@@ -12,6 +12,8 @@ for file in camera.cameramodel camera.yaml calibration.json report.html; do expe
 expect_exit 0 "$furrow" calibrate --json --target "$source/calib_targets/opencv-9x6-25mm.yaml" --out "$out/again" "$out"/boards/*.jpg
 cmp "$out/cam/calibration.json" "$out/again/calibration.json" || die "two runs gave different bytes"
 cmp "$out/cam/report.html" "$out/again/report.html" || die "two runs gave different reports"
+[ "$(grep -cE '"search_steps": [1-9]' "$out/cam/calibration.json")" -eq 13 ] || die "calibration.json does not say what each search took"
+grep -qF 'Nothing was left out.' "$out/cam/report.html" || die "the page does not say that the searches ended within their bound"
 grep -qE '"rms_px": 0\.[0-4]' "$out/cam/calibration.json" || die "RMS is not below 0.5 px"
 if command -v python3 >/dev/null && python3 -c 'import mrcal' 2>/dev/null; then
   python3 -c 'import sys, mrcal; m = mrcal.cameramodel(sys.argv[1]); assert m.intrinsics()[0] == "LENSMODEL_OPENCV5", m.intrinsics()' \

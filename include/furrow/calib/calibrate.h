@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <Eigen/Core>
 #include <string>
 #include <vector>
@@ -41,6 +42,9 @@ struct View {
   double mean_error_px =
       0.0;             ///< mean distance in px, the thesis's "mean reprojection error"; NaN when not used
   std::string reason;  ///< why it was not used; empty when it was
+  /// What the search for its board cost, and whether it left something out: target::BoardDetection.
+  std::int64_t search_steps = 0;
+  bool search_cut = false;
   Rigid3 cam_from_board;
   std::vector<Eigen::Vector2d> observed_px;
   /// Which corner each one is (a place in target::corners_in_board); empty: all of them.
