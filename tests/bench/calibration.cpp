@@ -1,11 +1,12 @@
 // Boards found, fit and time of calibration on every set at hand, with OpenCV and mrcal on the same corners
 // in the same run.
 //
-//   bench_calibration [--data DIR] [--finders] [--no-mrcal] [NAME...]
+//   bench_calibration [--data DIR] [--finders] [--sampling] [--no-mrcal] [NAME...]
 //
 // --finders also runs OpenCV's two finders and mrgingham (minutes on large pictures) and solves their
-// corners. RMS is sqrt(sum of squared distances / corners) for all; mrcal prints it per coordinate, so its
-// number is multiplied by sqrt(2). Solve times are CPU times, start values included; mrcal's is the sum over
+// corners. --sampling re-solves each set 200 times with fresh noise and compares the scatter with the claims.
+// RMS is sqrt(sum of squared distances / corners) for all; mrcal prints it per coordinate, so its number is
+// multiplied by sqrt(2). Solve times are CPU times, start values included; mrcal's is the sum over
 // mrcal.optimize() and its seed inside its own program, and "in all" that program's, Python's start included.
 // mrcal is told the focal length, Furrow and OpenCV are not.
 #include <algorithm>
@@ -25,6 +26,7 @@
 #include <vector>
 
 #include "calib/synthetic.h"
+#include "calibration_sampling.h"
 #include "furrow/base/file.h"
 #include "furrow/base/text.h"
 #include "furrow/calib/calibrate.h"
@@ -338,7 +340,7 @@ void bench_finders(const std::vector<fs::path>& files, const Set& set, const tar
   print_finder("mrgingham", seen, seconds() - start, board, ours);
 }
 
-void bench_set(const Set& set, const fs::path& data, bool finders, bool with_mrcal) {
+void bench_set(const Set& set, const fs::path& data, bool finders, bool sampling, bool with_mrcal) {
   const auto files = base::expand_pattern(set.pattern, data);
   if (!files.ok()) {
     std::printf("%-16s not here: %s\n", set.name, files.error().message().c_str());
@@ -378,6 +380,7 @@ void bench_set(const Set& set, const fs::path& data, bool finders, bool with_mrc
     print_difference("mrcal without its regularisation", *ours, mrcal.free);
   }
   if (finders) bench_finders(*files, set, board, detections);
+  if (sampling) print_sampling(*ours, detections, {});
   std::fflush(stdout);
 }
 
@@ -465,7 +468,8 @@ void bench_growth() {
 int main(int argc, char** argv) {
   const char* set_by_environment = std::getenv("FURROW_DATA");
   fs::path data = set_by_environment != nullptr ? set_by_environment : FURROW_SOURCE_DIR "/../shared/data";
-  bool finders = false, with_mrcal = std::system("command -v mrcal-calibrate-cameras > /dev/null") == 0;
+  bool finders = false, sampling = false,
+       with_mrcal = std::system("command -v mrcal-calibrate-cameras > /dev/null") == 0;
   std::vector<std::string> names;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
@@ -473,6 +477,8 @@ int main(int argc, char** argv) {
       data = argv[++i];
     } else if (word == "--finders") {
       finders = true;
+    } else if (word == "--sampling") {
+      sampling = true;
     } else if (word == "--no-mrcal") {
       with_mrcal = false;
     } else {
@@ -481,7 +487,7 @@ int main(int argc, char** argv) {
   }
   for (const Set& set : kSets) {
     if (names.empty() || std::find(names.begin(), names.end(), set.name) != names.end()) {
-      bench_set(set, data, finders, with_mrcal);
+      bench_set(set, data, finders, sampling, with_mrcal);
     }
   }
   if (names.empty()) {
