@@ -107,10 +107,11 @@ std::string aspect_explained(const Calibration& calibration,
   constexpr double kAsGood = 1.1;
   board_is_to_blame = !other.ok() || other->rms_px <= kAsGood * calibration.rms_px;
   if (!other.ok()) return ": measure a square of the board both ways";
-  const std::string fit =
-      "solving the board's aspect with square pixels gives " + format_fixed(other->board_aspect.value, 4) +
-      ", f " + format_fixed(other->camera.fx, 1) + " px and RMS " + format_fixed(other->rms_px, 3) +
-      " px, against " + format_fixed(calibration.rms_px, 3) + " px";
+  const std::string fit = "solving the board's aspect with square pixels (--squares unknown_aspect) gives " +
+                          format_fixed(other->board_aspect.value, 4) + ", f " +
+                          format_fixed(other->camera.fx, 1) + " px and RMS " +
+                          format_fixed(other->rms_px, 3) + " px, against " +
+                          format_fixed(calibration.rms_px, 3) + " px";
   if (board_is_to_blame) {
     // Told apart only by boards seen at several rolls; where both fit, a sensor's square pixels are the surer
     // thing.

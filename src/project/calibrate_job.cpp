@@ -107,7 +107,7 @@ Result<CalibrateOutcome> calibrate_job(const std::vector<std::filesystem::path>&
   outcome.calibration = std::move(judged.calibration);
   for (const auto& figure : made) FURROW_DO(figures::write_figure(out / "figures", figure));
   const auto page = calibration_page(
-      outcome.calibration,
+      outcome.calibration, judged.verdict,
       calibration_section(outcome.calibration, judged.verdict, outcome.findings, std::move(made)));
   FURROW_DO(base::write_file(out / "report.html", report::to_html(page)));
   base::report(job.progress, "drawing", 1, 1);

@@ -52,18 +52,22 @@ report::PageTable view_table(const calib::Calibration& calibration,
                              const std::vector<calib::ViewGain>& gains) {
   report::PageTable table;
   table.caption =
-      "Pictures of the board; the last columns but one say by how much the sigmas of the focal length and of "
-      "the whole picture would grow without that one";
+      "Pictures of the board, by the view numbers of the figures; what one adds is by how much the sigmas of "
+      "the focal length and of the whole picture would grow without it";
   table.collapsed = calibration.views.size() > 20;
-  table.cells.columns = {"picture",           "used",         "RMS / px", "mean error / px",
-                         "focal length adds", "picture adds", "why not"};
+  const bool any_left_out = std::any_of(calibration.views.begin(), calibration.views.end(),
+                                        [](const calib::View& view) { return !view.reason.empty(); });
+  table.cells.columns = {
+      "view", "picture", "used", "RMS / px", "mean error / px", "adds to focal length", "adds to picture"};
+  if (any_left_out) table.cells.columns.emplace_back("why not");
   for (std::size_t i = 0; i < calibration.views.size(); ++i) {
     const calib::View& view = calibration.views[i];
     const bool known = view.used && i < gains.size();
-    table.cells.rows.push_back(
-        {view.image, view.used ? "yes" : "no", view.used ? format_fixed(view.rms_px, 3) : "",
-         view.used ? format_fixed(view.mean_error_px, 3) : "", known ? growth(gains[i].focal) : "",
-         known ? growth(gains[i].picture) : "", view.reason});
+    table.cells.rows.push_back({std::to_string(i + 1), view.image, view.used ? "yes" : "no",
+                                view.used ? format_fixed(view.rms_px, 3) : "",
+                                view.used ? format_fixed(view.mean_error_px, 3) : "",
+                                known ? growth(gains[i].focal) : "", known ? growth(gains[i].picture) : ""});
+    if (any_left_out) table.cells.rows.back().push_back(view.reason);
   }
   return table;
 }
@@ -282,8 +286,8 @@ report::Section calibration_section(const calib::Calibration& calibration, const
           (board.aspect == 1.0 ? "" : ", height / width " + format_fixed(board.aspect, 4)) + ".",
       "RMS is over the distances of all corners in both directions (OpenCV's definition; mrcal prints this "
       "divided by "
-      "the square root of 2). Solver: " +
-          calibration.termination + " after " + std::to_string(calibration.iterations) + " iterations."};
+      "the square root of 2). The solve ended after " +
+          std::to_string(calibration.iterations) + " iterations (Ceres: " + calibration.termination + ")."};
   if (calibration.board_aspect.observations > 0) {
     section.paragraphs.push_back(
         "The board's squares were not taken for square: height / width solved as " +
@@ -301,7 +305,8 @@ report::Section calibration_section(const calib::Calibration& calibration, const
   return section;
 }
 
-report::Page calibration_page(const calib::Calibration& calibration, report::Section section) {
+report::Page calibration_page(const calib::Calibration& calibration, const calib::Verdict& verdict,
+                              report::Section section) {
   std::size_t used = 0;
   for (const auto& view : calibration.views) used += view.used ? 1 : 0;
   const Camera& camera = calibration.camera;
@@ -309,9 +314,15 @@ report::Page calibration_page(const calib::Calibration& calibration, report::Sec
   page.title = "Camera calibration";
   page.subtitle = std::to_string(used) + " of " + std::to_string(calibration.views.size()) + " pictures, " +
                   std::to_string(calibration.corners) + " corners, " + size_text(camera) + " px";
-  page.summary = {"Focal length fx " + format_fixed(camera.fx, 2) + ", fy " + format_fixed(camera.fy, 2) +
-                      " px; principal point (" + format_fixed(camera.cx, 2) + ", " +
-                      format_fixed(camera.cy, 2) + ") px.",
+  const auto measured = [&camera](double value, Eigen::Index i) {
+    return with_sigma(value, i < camera.covariance.rows() ? std::sqrt(camera.covariance(i, i)) : std::nan(""),
+                      2);
+  };
+  page.summary = {verdict.trusted ? "Enough: the pictures fix this camera well enough for a height."
+                                  : "Do not trust this camera with a height; why not stands below.",
+                  "Focal length fx " + measured(camera.fx, 0) + ", fy " + measured(camera.fy, 1) +
+                      " px; principal point (" + measured(camera.cx, 2) + ", " + measured(camera.cy, 3) +
+                      ") px; \u00b1 is one sigma of what noise does.",
                   "Reprojection error " + format_fixed(calibration.rms_px, 3) + " px RMS, " +
                       format_fixed(calibration.mean_error_px, 3) + " px mean distance."};
   page.sections.push_back(std::move(section));

@@ -29,7 +29,8 @@ report::Section calibration_section(const calib::Calibration& calibration, const
                                     std::vector<figures::Figure> figures);
 
 /// The page of `furrow calibrate`.
-report::Page calibration_page(const calib::Calibration& calibration, report::Section section);
+report::Page calibration_page(const calib::Calibration& calibration, const calib::Verdict& verdict,
+                              report::Section section);
 
 /// All that the page of `furrow run` shows.
 struct RunContent {
