@@ -77,137 +77,6 @@ PlanarField refine(const Response& response, const PlanarField& start, const Emp
   return field_of(start, minimise_simplex(cost, parameters(start), step, calls, kScoreTolerance));
 }
 
-// ---- Following: centre and spacing may leave the plane from strip to strip, by dynamic programming
-// -------------------------------
-
-constexpr int kShifts = 15, kStretches = 6;               // states on each side
-constexpr double kShiftStep = 0.05, kStretchStep = 0.04;  // spacings; relative spacing
-constexpr int kStates = (2 * kShifts + 1) * (2 * kStretches + 1);
-constexpr int state_of(int shift, int stretch) {
-  return (shift + kShifts) * (2 * kStretches + 1) + stretch + kStretches;
-}
-
-struct Step {
-  float cost = 0.0F;
-  int from = -1;
-};
-
-using AtShifts = std::array<float, 2 * kShifts + 1>;
-
-/// Adds one row's response at all shifts that keep it in the picture, `first_u` on and `step` px apart.
-void add_row(const Response& response, std::size_t j, float first_u, float step, float weight, AtShifts& sum,
-             AtShifts& weights) {
-  constexpr float kCount = 2 * kShifts + 1;
-  const float right = static_cast<float>(response.width - 1), per_step = 1.0F / step;
-  const float first = std::clamp(std::ceil(-first_u * per_step), 0.0F, kCount);
-  const float last = std::clamp(std::ceil((right - first_u) * per_step), first, kCount);
-  const float* line = response.value.data() + j * static_cast<std::size_t>(response.width);
-  for (auto d = static_cast<std::size_t>(first); d < static_cast<std::size_t>(last); ++d) {
-    // Rounding may put the first a hair outside.
-    const float u = std::max(0.0F, first_u + static_cast<float>(d) * step);
-    const int i = std::min(static_cast<int>(u), response.width - 2);
-    sum[d] += weight * (line[i] + (u - static_cast<float>(i)) * (line[i + 1] - line[i]));
-    weights[d] += weight;
-  }
-}
-
-/// Cost of every state on one strip: minus its response.
-void strip_costs(const Response& response, std::size_t j, const PlanarField& field, double centre_k,
-                 double reach, std::vector<Step>& out) {
-  constexpr int kRows = 3;
-  const double v = static_cast<double>(response.v[j]);
-  const float spacing0 = static_cast<float>(field.spacing_at(v)),
-              centre0 = static_cast<float>(field.u_at(v, centre_k));
-  const float step = static_cast<float>(kShiftStep) * spacing0;
-  for (int e = -kStretches; e <= kStretches; ++e) {
-    const float spacing = spacing0 * static_cast<float>(std::exp(e * kStretchStep));
-    AtShifts sum{}, weights{};
-    for (int k = -kRows; k <= kRows; ++k)
-      add_row(response, j, centre0 + static_cast<float>(k) * spacing - kShifts * step, step,
-              static_cast<float>(1.0 / (1.0 + k * k / (reach * reach))), sum, weights);
-    for (int d = -kShifts; d <= kShifts; ++d) {
-      const auto at = static_cast<std::size_t>(d + kShifts);
-      out[static_cast<std::size_t>(state_of(d, e))].cost = weights[at] > 0.0F ? -sum[at] / weights[at] : 0.0F;
-    }
-  }
-}
-
-/// Adds the cheapest way from the strip below: at most two states of shift and one of stretch, at the cost of
-/// their squares. The cost is a sum, so the two are minimised one after the other.
-void add_transitions(const std::vector<Step>& below, float stiffness, std::vector<Step>& here) {
-  std::array<Step, kStates> stretched;
-  for (int d = -kShifts; d <= kShifts; ++d) {
-    for (int e = -kStretches; e <= kStretches; ++e) {
-      Step best{1e9F, -1};
-      for (int ee = std::max(-kStretches, e - 1); ee <= std::min(kStretches, e + 1); ++ee) {
-        const float cost =
-            below[static_cast<std::size_t>(state_of(d, ee))].cost + (ee == e ? 0.0F : stiffness);
-        if (cost < best.cost) best = {cost, state_of(d, ee)};
-      }
-      stretched[static_cast<std::size_t>(state_of(d, e))] = best;
-    }
-  }
-  for (int d = -kShifts; d <= kShifts; ++d) {
-    for (int e = -kStretches; e <= kStretches; ++e) {
-      Step best{1e9F, -1};
-      for (int dd = std::max(-kShifts, d - 2); dd <= std::min(kShifts, d + 2); ++dd) {
-        const Step& one = stretched[static_cast<std::size_t>(state_of(dd, e))];
-        const float cost = one.cost + stiffness * static_cast<float>((d - dd) * (d - dd));
-        if (cost < best.cost) best = {cost, one.from};
-      }
-      Step& step = here[static_cast<std::size_t>(state_of(d, e))];
-      step.cost += best.cost;
-      step.from = best.from;
-    }
-  }
-}
-
-FollowedField follow(const Response& response, const PlanarField& field, double centre_k, double reach) {
-  constexpr double kStiffness =
-      1.0;  // of a state's step between strips at the bottom, in units of the response
-  constexpr double kLeastScale = 0.04;
-  constexpr std::size_t kSmooth = 4;  // strips on each side
-  constexpr double kKept =
-      0.6;  // part of the departure that is kept: half noise, half field on the train half
-  FollowedField result;
-  result.centre_k = centre_k;
-  std::vector<std::size_t> used;  // from the bottom up
-  for (std::size_t j = response.v.size(); j-- > 0;)
-    if (const double v = static_cast<double>(response.v[j]);
-        field.scale(v) > kLeastScale && field.spacing_at(v) > static_cast<double>(kLeastRowSpacingPx))
-      used.push_back(j);
-  if (used.empty()) return result;
-  std::vector<std::vector<Step>> table(used.size(), std::vector<Step>(kStates));
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    strip_costs(response, used[i], field, centre_k, reach, table[i]);
-    // Departures grow along the ground, and a strip covers ground as 1 / scale^2.
-    const double scale = field.scale(static_cast<double>(response.v[used[i]]));
-    if (i > 0) add_transitions(table[i - 1], static_cast<float>(kStiffness * scale * scale), table[i]);
-  }
-  const auto cheapest = std::min_element(table.back().begin(), table.back().end(),
-                                         [](const Step& a, const Step& b) { return a.cost < b.cost; });
-  int state = static_cast<int>(cheapest - table.back().begin());
-  std::vector<double> shift(used.size()), stretch(used.size());
-  for (std::size_t i = used.size(); i-- > 0;) {
-    shift[i] = (state / (2 * kStretches + 1) - kShifts) * kShiftStep;
-    stretch[i] = (state % (2 * kStretches + 1) - kStretches) * kStretchStep;
-    state = table[i][static_cast<std::size_t>(state)].from;
-  }
-  for (std::size_t i = used.size(); i-- > 0;) {
-    double d = 0.0, e = 0.0, weights = 0.0;
-    const std::size_t from = i > kSmooth ? i - kSmooth : 0, to = std::min(used.size() - 1, i + kSmooth);
-    for (std::size_t at = from; at <= to; ++at) {
-      const double w = static_cast<double>(kSmooth + 1 - (at > i ? at - i : i - at));
-      d += w * shift[at], e += w * stretch[at], weights += w;
-    }
-    const double v = static_cast<double>(response.v[used[i]]), spacing = field.spacing_at(v);
-    result.v.push_back(v);
-    result.centre.push_back(field.u_at(v, centre_k) + kKept * d / weights * spacing);
-    result.spacing.push_back(spacing * std::exp(kKept * e / weights));
-  }
-  return result;
-}
-
 /// The planar field nearest to a followed one, strips that left it far behind counting little.
 PlanarField fit_to(const FollowedField& followed, const PlanarField& start) {
   constexpr double kOutlier = 0.15;  // spacings
@@ -430,15 +299,13 @@ double explained_part(const Strips& all, const FoundField& found) {
 /// or less than a spacing, so far rows pull the model off the near ones.
 void settle(const Strips& strips, const SearchPriors& priors, FoundField& found) {
   constexpr double kReach = 2.0;  // rows
-  constexpr int kCalls = 150;
+  constexpr int kCalls = 100;
   const Emphasis near = near_rows(strips, found.field, kReach);
-  const auto settled = [&](PlanarField field, int rounds) {
-    for (int round = 0; round < rounds; ++round)
-      field = refine(respond(strips, field, found.tooth), field, near, 0.05, kCalls, priors);
-    return field;
+  const auto settled = [&](const PlanarField& field) {
+    return refine(respond(strips, field, found.tooth), field, near, 0.05, kCalls, priors);
   };
   const double centre_k = std::round(near.centre_k);
-  const PlanarField direct = settled(found.field, 2);
+  const PlanarField direct = settled(found.field);
   std::vector<PlanarField> starts = {
       fit_to(follow(respond(strips, direct, found.tooth), direct, centre_k, kReach), direct)};
   // Bends that a slip by half a row at the far end brought about go away when the rows start straight.
@@ -451,7 +318,7 @@ void settle(const Strips& strips, const SearchPriors& priors, FoundField& found)
   found.field = direct;
   double best = score(direct);
   for (const PlanarField& start : starts) {
-    const PlanarField one = settled(start, 1);
+    const PlanarField one = settled(start);
     const double value = score(one);
     if (value > best) best = value, found.field = one;
   }

@@ -3,17 +3,10 @@
 #include <vector>
 
 #include "furrow/rows/planar_field.h"
-#include "rows/comb.h"
+#include "rows/follow_field.h"
 #include "rows/green_map.h"
 
 namespace furrow::rows {
-
-/// What the planar model leaves: on each strip the rows lie at centre + (k - centre_k) spacing, in px of the
-/// map.
-struct FollowedField {
-  double centre_k = 0.0;
-  std::vector<double> v, centre, spacing;  ///< by rising v
-};
 
 /// A field in px of the map and how well it explains the picture.
 struct FoundField {
