@@ -80,13 +80,13 @@ Rectified rectify(const Strips& strips, double convergence) {
   return result;
 }
 
-/// Sum of all lines, each shifted by slope y + bend y^2.
+/// Sum of all lines, each shifted by slope y.
 struct Aligned {
   std::array<float, kBins> sum;  // in levels
   std::array<float, kBins> weight;
 };
 
-void align(const Rectified& rectified, double slope, double bend, Aligned& out) {
+void align(const Rectified& rectified, double slope, Aligned& out) {
   std::array<float, kBins + 1> steps{};
   constexpr int bins = static_cast<int>(kBins);
   constexpr std::size_t kMostLines = 80;  // make_strips at a fortieth of the height gives at most 79
@@ -94,7 +94,7 @@ void align(const Rectified& rectified, double slope, double bend, Aligned& out) 
   const std::size_t lines = std::min(rectified.lines.size(), kMostLines);
   for (std::size_t j = 0; j < lines; ++j) {
     const Line& line = rectified.lines[j];
-    const double shift = line.y * (slope + line.y * bend) / rectified.bin_px;
+    const double shift = line.y * slope / rectified.bin_px;
     const int offset = static_cast<int>(std::clamp(shift + bins + 0.5, 0.0, 2.0 * bins));
     values[j] = line.value.data() + offset;
     steps[static_cast<std::size_t>(std::clamp(line.first - offset, 0, bins))] += line.weight;
@@ -135,16 +135,16 @@ float explained(const Aligned& aligned) {
 struct Sheared {
   float score = 0.0F;
   std::size_t rectified = 0;
-  double slope = 0.0, bend = 0.0;
+  double slope = 0.0;
 };
 
-/// The best few that differ in slope by `apart` or in bend.
+/// The best few that differ in slope by `apart`.
 std::vector<Sheared> best_of(std::vector<Sheared> all, double apart, std::size_t most) {
   std::sort(all.begin(), all.end(), [](const Sheared& a, const Sheared& b) { return a.score > b.score; });
   std::vector<Sheared> kept;
   for (const Sheared& one : all) {
     const bool is_near = std::any_of(kept.begin(), kept.end(), [&](const Sheared& other) {
-      return std::abs(other.slope - one.slope) < apart && other.bend == one.bend;
+      return std::abs(other.slope - one.slope) < apart;
     });
     if (!is_near) kept.push_back(one);
     if (kept.size() >= most) break;
@@ -152,12 +152,9 @@ std::vector<Sheared> best_of(std::vector<Sheared> all, double apart, std::size_t
   return kept;
 }
 
-/// The best few shears and bends of one rectification: bends are tried where straight rows fit best, since a
-/// bend leaves part of the picture straight.
+/// The best few shears of one rectification.
 std::vector<Sheared> best_shears(const Strips& strips, const Rectified& rectified, std::size_t number) {
-  constexpr double kBendBins = 12.0;  // at the farthest strip
-  constexpr std::size_t kBent = 6, kKept = 4;
-  constexpr int kBesides = 3;  // slopes tried on each side of a straight one
+  constexpr std::size_t kKept = 4;
   const double depth = std::max(std::abs(rectified.lines.front().y), std::abs(rectified.lines.back().y));
   // Slopes: the vanishing point within a picture's width of its middle, or rows up to the steepest in a view
   // straight down.
@@ -166,17 +163,10 @@ std::vector<Sheared> best_shears(const Strips& strips, const Rectified& rectifie
   const double step = 4.0 * rectified.bin_px / depth;  // the farthest strip moves by four bins
   const int steps = static_cast<int>(std::ceil(most / step));
   Aligned aligned;
-  const auto tried = [&](double slope, double bend) {
-    align(rectified, slope, bend, aligned);
-    return Sheared{explained(aligned), number, slope, bend};
-  };
   std::vector<Sheared> all;
-  for (int i = -steps; i <= steps; ++i) all.push_back(tried(i * step, 0.0));
-  for (const Sheared& straight : best_of(all, 2.5 * step, kBent)) {
-    for (const double side : {-1.0, 1.0}) {
-      const double bend = side * kBendBins * rectified.bin_px / (depth * depth);
-      for (int i = -kBesides; i <= kBesides; ++i) all.push_back(tried(straight.slope + i * step, bend));
-    }
+  for (int i = -steps; i <= steps; ++i) {
+    align(rectified, i * step, aligned);
+    all.push_back({explained(aligned), number, i * step});
   }
   return best_of(std::move(all), 2.5 * step, kKept);
 }
@@ -252,13 +242,16 @@ Folded fold(const Aligned& aligned, double bin_px, double spacing) {
 void fold_all(const Strips& strips, const Rectified& rectified, const Sheared& sheared,
               std::vector<Trial>& trials) {
   Aligned aligned;
-  align(rectified, sheared.slope, sheared.bend, aligned);
-  // Of successive spacings: six rows from the middle that is a quarter of a spacing.
-  constexpr double kRatio = 1.04;
+  align(rectified, sheared.slope, aligned);
+  // Successive spacings: they move the rows at the border by a quarter of a spacing, or those six rows from
+  // the middle where there are more.
+  constexpr double kQuarter = 0.25, kLeastStep = 0.04;
+  const double half = 0.5 * static_cast<double>(kBins) * rectified.bin_px;
   const double least = std::max(6.0, 2.5 * rectified.bin_px), most = 0.75 * strips.width;
   std::vector<Folded> folded;
   std::vector<double> spacings;
-  for (double spacing = least; spacing <= most; spacing *= kRatio) {
+  for (double spacing = least; spacing <= most;
+       spacing *= 1.0 + std::max(kLeastStep, kQuarter * spacing / half)) {
     spacings.push_back(spacing);
     folded.push_back(fold(aligned, rectified.bin_px, spacing));
     const double weight = evidence_part(rectified.rows_times_spacing / spacing);
@@ -273,7 +266,6 @@ void fold_all(const Strips& strips, const Rectified& rectified, const Sheared& s
     trial.field = anchored(strips);
     trial.field.convergence = rectified.convergence;
     trial.field.slope = sheared.slope;
-    trial.field.bend = sheared.bend;
     trial.field.spacing = spacings[i];
     trial.field.offset = folded[i].offset;
     trial.tooth = folded[i].tooth;
@@ -284,6 +276,22 @@ void fold_all(const Strips& strips, const Rectified& rectified, const Sheared& s
   constexpr std::size_t kKept = 3;
   trials.insert(trials.end(), peaks.begin(),
                 peaks.begin() + static_cast<std::ptrdiff_t>(std::min(kKept, peaks.size())));
+}
+
+/// Folds where columns differ most, until what is left cannot come among the best `most`: a fold explains a
+/// part of what the columns do.
+std::vector<Trial> best_trials(const Strips& strips, const std::vector<Rectified>& rectified,
+                               const std::vector<Sheared>& sheared) {
+  constexpr std::size_t kFolded = 32, kBest = 8;
+  constexpr double kMostPart = 0.6;  // 0.45 on clear pictures
+  std::vector<Trial> trials;
+  for (std::size_t i = 0; i < std::min(kFolded, sheared.size()); ++i) {
+    if (trials.size() >= kBest && trials[kBest - 1].score > kMostPart * static_cast<double>(sheared[i].score))
+      break;
+    fold_all(strips, rectified[sheared[i].rectified], sheared[i], trials);
+    std::sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.score > b.score; });
+  }
+  return trials;
 }
 
 }  // namespace
@@ -312,15 +320,9 @@ std::vector<Trial> coarse_search(const Strips& strips) {
     sheared.insert(sheared.end(), best.begin(), best.end());
     rectified.push_back(std::move(one));
   }
-  // Only where columns differ most is a fold worth its time.
-  constexpr std::size_t kFolded = 32;
   std::sort(sheared.begin(), sheared.end(),
             [](const Sheared& a, const Sheared& b) { return a.score > b.score; });
-  if (sheared.size() > kFolded) sheared.resize(kFolded);
-  std::vector<Trial> trials;
-  for (const Sheared& one : sheared) fold_all(strips, rectified[one.rectified], one, trials);
-  std::sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.score > b.score; });
-  return trials;
+  return best_trials(strips, rectified, sheared);
 }
 
 }  // namespace furrow::rows

@@ -8,7 +8,7 @@ namespace furrow::rows {
 
 /// A field that may be in the picture, from the coarse search.
 struct Trial {
-  PlanarField field;   ///< px of the map, no second bend
+  PlanarField field;   ///< px of the map, no bends
   double tooth = 0.3;  ///< width of a row, spacings
   double score = 0.0;  ///< explained variance, lowered where few rows carry it
 };
@@ -20,7 +20,7 @@ double evidence_part(double row_count);
 PlanarField anchored(const Strips& strips);
 
 /// Trials for the whole picture, best first: for each convergence the strips are rectified so that rows are
-/// parallel, sheared and bent back, and summed along the rows; sums whose columns differ most are folded over
+/// parallel, sheared back, and summed along the rows; sums whose columns differ most are folded over
 /// all spacings (epoch folding, as for pulsars).
 std::vector<Trial> coarse_search(const Strips& strips);
 

@@ -1,6 +1,7 @@
 #include "rows/detect_field.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "furrow/base/text.h"
@@ -171,17 +172,23 @@ Searched search_levelled(const Image& picture, const DetectOptions& options, dou
 }
 
 /// Levels by what the rows show, where no roll was told. Where half strips show rows that the field does not
-/// explain, rolls too large for the search are tried as well.
+/// explain, the picture is looked at quickly with larger rolls too, and searched with the most promising.
 Searched levelled_by_rows(const Image& picture, const DetectOptions& options, Searched best) {
-  constexpr double kLargeSlope = 0.27, kClearly = 1.15;
+  constexpr std::array kLargeSlopes = {-0.27, -0.13, 0.13, 0.27};
+  constexpr double kClearly = 1.15;
   constexpr double kHarmless =
       0.06;  // rows are as right without, and uneven passes of a planter look like it
   constexpr int kRounds = 3;
   DetectOptions afresh = options;
   afresh.previous.reset();
   if (best.found && best.found->explained < kLeastExplained) {
-    for (const double slope : {-kLargeSlope, kLargeSlope}) {
-      Searched other = search_levelled(picture, afresh, best.slope + slope);
+    double promise = promise_of(best.map), promising = 0.0;
+    for (const double slope : kLargeSlopes) {
+      const double one = promise_of(levelled(best.map, slope));
+      if (one > promise) promise = one, promising = slope;
+    }
+    if (promising != 0.0) {
+      Searched other = search_levelled(picture, afresh, best.slope + promising);
       if (other.score() > kClearly * best.score()) best = std::move(other);
     }
   }

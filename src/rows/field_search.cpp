@@ -30,7 +30,7 @@ Parameters parameters(const PlanarField& field) {
 /// Rows bend gently. With depth along the rows measured in spacings, z = y L / spacing, a row departs from
 /// its tangent by c2 z^2 + c3 z^3 spacings; these are the one-sigma of c2 and c3 (c2 = 0.012: a radius of 40
 /// spacings). The weight is in units of the score.
-constexpr double kBendSigma = 0.012, kBend2Sigma = 6e-4, kBendWeight = 0.002;
+constexpr double kBendSigma = 0.012, kBend2Sigma = 6e-4, kBendWeight = 0.008;
 
 double bend_cost(const PlanarField& field) {
   const double depth = field.length / field.spacing;
@@ -75,38 +75,6 @@ PlanarField refine(const Response& response, const PlanarField& start, const Emp
   };
   const Parameters step = steps_of(start, emphasis.least_scale, size);
   return field_of(start, minimise_simplex(cost, parameters(start), step, calls, kScoreTolerance));
-}
-
-/// The planar field nearest to a followed one, strips that left it far behind counting little.
-PlanarField fit_to(const FollowedField& followed, const PlanarField& start) {
-  constexpr double kOutlier = 0.15;  // spacings
-  const auto cost = [&](const Parameters& x) {
-    const PlanarField field = field_of(start, x);
-    double sum = 0.0;
-    for (std::size_t i = 0; i < followed.v.size(); ++i) {
-      const double spacing = field.spacing_at(followed.v[i]);
-      if (spacing <= 0.0) {
-        sum += 2.0;
-        continue;
-      }
-      const double off = (field.u_at(followed.v[i], followed.centre_k) - followed.centre[i]) /
-                         followed.spacing[i] / kOutlier;
-      const double stretch = (spacing / followed.spacing[i] - 1.0) / kOutlier;
-      const double square = off * off + stretch * stretch;
-      sum += square / (1.0 + square);
-    }
-    return sum;
-  };
-  constexpr double kDepth = 5.0;  // pictures' heights along the ground that an oblique view shows
-  Parameters x = parameters(start);
-  for (const double size : {0.3, 0.1}) {
-    const double s = start.spacing * size;
-    x = minimise_simplex(
-        cost, x,
-        {0.1 * size, 0.2 * s, 0.5 * s, s / kDepth, s / (kDepth * kDepth), s / (kDepth * kDepth * kDepth)},
-        300, 1e-5);
-  }
-  return field_of(start, x);
 }
 
 // ---- The whole search
@@ -304,25 +272,17 @@ void settle(const Strips& strips, const SearchPriors& priors, FoundField& found)
   const auto settled = [&](const PlanarField& field) {
     return refine(respond(strips, field, found.tooth), field, near, 0.05, kCalls, priors);
   };
-  const double centre_k = std::round(near.centre_k);
-  const PlanarField direct = settled(found.field);
-  std::vector<PlanarField> starts = {
-      fit_to(follow(respond(strips, direct, found.tooth), direct, centre_k, kReach), direct)};
-  // Bends that a slip by half a row at the far end brought about go away when the rows start straight.
-  PlanarField straight = direct;
-  straight.bend = straight.bend2 = 0.0;
-  starts.push_back(straight);
   const auto score = [&](const PlanarField& field) {
     return comb_score(strips, field, found.tooth, near) - bend_cost(field);
   };
-  found.field = direct;
-  double best = score(direct);
-  for (const PlanarField& start : starts) {
-    const PlanarField one = settled(start);
-    const double value = score(one);
-    if (value > best) best = value, found.field = one;
-  }
-  found.followed = follow(respond(strips, found.field, found.tooth), found.field, centre_k, kReach);
+  found.field = settled(found.field);
+  // Bends that a slip by half a row at the far end brought about go away when the rows start straight.
+  PlanarField straight = found.field;
+  straight.bend = straight.bend2 = 0.0;
+  straight = settled(straight);
+  if (score(straight) > score(found.field)) found.field = straight;
+  found.followed = follow(respond(strips, found.field, found.tooth), found.field, std::round(near.centre_k),
+                          kReach);
 }
 
 }  // namespace
@@ -351,6 +311,13 @@ std::optional<FoundField> continue_field(const GreenMap& map, const FoundField& 
   return best;
 }
 
+double promise_of(const GreenMap& map) {
+  constexpr int kQuickStrips = 24;
+  if (is_too_small(map)) return 0.0;
+  const std::vector<Trial> trials = coarse_search(make_strips(map, std::max(1, map.height / kQuickStrips)));
+  return trials.empty() ? 0.0 : trials.front().score;
+}
+
 std::optional<FoundField> search_field(const GreenMap& map, const SearchPriors& priors) {
   if (is_too_small(map)) return std::nullopt;
   const Strips coarse = make_strips(map, std::max(1, map.height / kCoarseStrips));
@@ -362,7 +329,7 @@ std::optional<FoundField> search_field(const GreenMap& map, const SearchPriors& 
   FoundField best = *std::max_element(
       found.begin(), found.end(), [](const FoundField& a, const FoundField& b) { return a.score < b.score; });
   undo_half_spacing(fine, best);
-  constexpr double kBeyondDoubt = 0.4;  // of the score: the field explains nearly all
+  constexpr double kBeyondDoubt = 0.5;  // of the score: the field explains nearly all
   best.tilt = tilt_of(coarse, best);
   if (best.score < kBeyondDoubt) best.explained = explained_part(coarse, best);
   settle(fine, priors, best);

@@ -29,6 +29,10 @@ struct SearchPriors {
 /// contrast.
 std::optional<FoundField> search_field(const GreenMap& map, const SearchPriors& priors);
 
+/// What the best field of a quick look explains, on a scale of its own that is the same for the same picture
+/// levelled differently.
+double promise_of(const GreenMap& map);
+
 /// The field that `before`, of a picture a moment ago, has become; nothing when it is not there any more.
 std::optional<FoundField> continue_field(const GreenMap& map, const FoundField& before,
                                          const SearchPriors& priors);

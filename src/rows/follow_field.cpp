@@ -136,7 +136,6 @@ FollowedField follow(const Response& response, const PlanarField& field, double 
   FollowedField result;
   result.centre_k = centre_k;
   const std::vector<std::size_t> used = strips_of(response, field);
-  if (used.empty()) return result;
   const auto scale = [&](std::size_t i) { return field.scale(static_cast<double>(response.v[used[i]])); };
   std::vector<States> odds(used.size()), below(used.size());  // of the strip; with all that is below it
   for (std::size_t i = 0; i < used.size(); ++i) {

@@ -79,6 +79,23 @@ Image levelled(const Image& picture, double slope) {
   return result;
 }
 
+GreenMap levelled(const GreenMap& map, double slope) {
+  GreenMap result = map;
+  result.light.clear(), result.chroma.clear();
+  const double in_map = slope * map.scale_u / map.scale_v, u_middle = 0.5 * (map.width - 1);
+  for (int v = 0; v < map.height; ++v) {
+    float* out = result.value.data() + static_cast<std::ptrdiff_t>(v) * map.width;
+    for (int u = 0; u < map.width; ++u) {
+      const double from = std::clamp(v + in_map * (u - u_middle), 0.0, map.height - 1.0);
+      const int above = std::min(static_cast<int>(from), std::max(0, map.height - 2));
+      const float part = static_cast<float>(from - above);
+      const float* line = map.row(above) + u;
+      out[u] = map.height > 1 ? line[0] + part * (line[map.width] - line[0]) : line[0];
+    }
+  }
+  return result;
+}
+
 void tilt_back(RowLines& lines, double slope) {
   lines.horizon_slope = slope;
   if (!lines.field) return;
