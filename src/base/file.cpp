@@ -160,7 +160,9 @@ Result<std::vector<fs::path>> expand_pattern(const std::string& pattern, const f
   const fs::path folder = whole.parent_path().empty() ? fs::path(".") : whole.parent_path();
   for (fs::directory_iterator entry(folder, code), end; !code && entry != end; entry.increment(code)) {
     const std::string name = entry->path().filename().string();
-    if (name.front() != '.' && matches(last, name) && !entry->is_directory()) files.push_back(entry->path());
+    std::error_code unknown;  // a link that leads round in a circle is no folder, and for its reader to name
+    if (name.front() != '.' && matches(last, name) && !entry->is_directory(unknown))
+      files.push_back(entry->path());
   }
   if (code)
     return Error{"no_match", folder.string(),

@@ -215,13 +215,19 @@ Result<std::vector<fs::path>> pictures_in(const fs::path& folder) {
   if (all.ok()) files = *all;
   std::erase_if(files, [](const fs::path& file) { return !is_picture_file(file); });
   if (files.empty())
-    return Error{"no_match", folder.string(), "the folder holds no picture", "JPEG, PNG or TIFF files", ""};
+    return Error{"no_match", folder.string(), "the folder holds no picture",
+                 "JPEG, PNG, TIFF or BMP files; folders inside are not entered", ""};
   return files;
+}
+
+bool has_wildcard(const fs::path& name) {
+  return name.string().find_first_of("*?") != std::string::npos;
 }
 
 /// Whether a name can only be a pattern: there is no file of that very name.
 bool is_pattern(const fs::path& name) {
-  return name.string().find_first_of("*?") != std::string::npos && !fs::exists(name);
+  std::error_code unknown;
+  return has_wildcard(name) && !fs::exists(name, unknown);
 }
 
 std::optional<int> camera_number(const std::string& what) {
@@ -244,9 +250,13 @@ Result<std::vector<fs::path>> picture_files(const std::vector<fs::path>& named) 
   std::vector<fs::path> files;
   for (const fs::path& one : named) {
     std::vector<fs::path> found{one};
-    if (fs::is_directory(one)) {
+    std::error_code unknown;  // what the file system refuses is named by its reader
+    if (fs::is_directory(one, unknown)) {
       FURROW_TRY(found, pictures_in(one));
     } else if (is_pattern(one)) {
+      if (has_wildcard(one.parent_path()))
+        return Error{"no_match", one.string(), "a pattern in the name of a folder",
+                     "* and ? in the last part of a name only", "Without quotes the shell finds the folders."};
       FURROW_TRY(found, base::expand_pattern(one.string(), "."));
     }
     files.insert(files.end(), found.begin(), found.end());

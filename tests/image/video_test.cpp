@@ -205,6 +205,29 @@ TEST_F(Video, AFolderGoesOnOverWhatIsNoPicture) {
   EXPECT_EQ((*open_source((folder / "b*.png").string()))->info().count, 2);
 }
 
+TEST_F(Video, NamesThatTheFileSystemRefusesAreForTheReader) {
+  fs::create_symlink("self.png", folder / "self.png");
+  const auto in_folder = picture_files({folder});
+  ASSERT_TRUE(in_folder.ok());
+  EXPECT_EQ(in_folder->size(), 1U);
+  const fs::path too_long = folder / std::string(300, 'x');
+  const fs::path long_pattern = folder / (std::string(300, 'x') + "*");
+  const auto alone = picture_files({too_long});
+  ASSERT_TRUE(alone.ok());
+  EXPECT_EQ(alone->front(), too_long);
+  ASSERT_FALSE(picture_files({long_pattern}).ok());
+  EXPECT_EQ(picture_files({long_pattern}).error().code, "no_match");
+}
+
+TEST_F(Video, APatternInAFoldersNameIsSaid) {
+  fs::create_directories(folder / "flight1");
+  ASSERT_TRUE(write_image(folder / "flight1" / "a.png", make_image(8, 8, 3)).ok());
+  const auto named = picture_files({folder / "flight*" / "a.png"});
+  ASSERT_FALSE(named.ok());
+  EXPECT_EQ(named.error().code, "no_match");
+  EXPECT_NE(named.error().message().find("last part"), std::string::npos);
+}
+
 TEST_F(Video, NamesWhatCannotBeOpened) {
   EXPECT_EQ(open_source((folder / "none.mp4").string()).error().code, "source_missing");
   EXPECT_EQ(open_source(folder.string()).error().code, "no_match");

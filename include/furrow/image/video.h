@@ -53,7 +53,8 @@ struct SourceOptions {
 
 /// The pictures that a person named: a folder stands for the pictures in it (JPEG, PNG, TIFF, BMP, in natural
 /// order; folders in it are not entered), a pattern for the files that match, and anything else for itself,
-/// whether it is there or not. Errors: no_match (a folder without a picture, a pattern without a match).
+/// whether it is there or not. Errors: no_match (a folder without a picture, a pattern without a match or in
+/// the name of a folder).
 Result<std::vector<std::filesystem::path>> picture_files(const std::vector<std::filesystem::path>& named);
 
 /// Opens whatever a person may name: a video file (everything FFmpeg reads), a folder (its pictures in
