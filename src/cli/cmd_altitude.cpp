@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "cli/commands.h"
+#include "cli/numbers.h"
 #include "cli/terminal.h"
 #include "furrow/base/text.h"
 #include "furrow/camera/model_files.h"
@@ -127,8 +128,8 @@ int plan(const Arguments& arguments) {
 }
 
 void add_length(CLI::App& command, const std::string& name, const std::string& what, Length& length) {
-  command.add_option("--" + name, length.value, what + ", m")->check(CLI::PositiveNumber);
-  command.add_option("--" + name + "-sigma", length.sigma, "its one-sigma, m")->check(CLI::NonNegativeNumber);
+  command.add_option("--" + name, length.value, what + ", m")->check(above_zero());
+  command.add_option("--" + name + "-sigma", length.sigma, "its one-sigma, m")->check(zero_or_more());
 }
 
 void add_plan(CLI::App& app, Action& action) {
@@ -137,26 +138,26 @@ void add_plan(CLI::App& app, Action& action) {
   auto a = std::make_shared<Arguments>();
   command->add_option("--camera", a->camera, "camera file (.cameramodel, OpenCV YAML, calibration.json)");
   command->add_option("--project", a->project, "project.yaml to take camera and rows from");
-  command->add_option("--focal-px", a->lens.focal_px, "focal length, px")->check(CLI::PositiveNumber);
-  command->add_option("--focal-mm", a->lens.focal_mm, "focal length, mm")->check(CLI::PositiveNumber);
+  command->add_option("--focal-px", a->lens.focal_px, "focal length, px")->check(above_zero());
+  command->add_option("--focal-mm", a->lens.focal_mm, "focal length, mm")->check(above_zero());
   command->add_option("--sensor-mm", a->lens.sensor_mm, "width of the sensor, mm")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   command->add_option("--size", a->size, "width and height of the picture, px")
       ->expected(2)
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   auto* above = command->add_option_group("height");
   above->add_option("--height-above-canopy", a->above_canopy_m, "m");
   above->add_option("--height-above-ground", a->above_ground_m, "m; needs the height of the rows");
   above->require_option(1);
   command->add_option("--pitch-deg", a->pitch_deg, "camera pitch, negative below the horizon")->required();
   command->add_option("--pitch-sigma-deg", a->pitch_sigma_deg, "how far the gimbal may be off (default 1)")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   add_length(*command, "spacing", "distance of neighbouring rows", a->spacing);
   add_length(*command, "half-width", "half the width of a row", a->half_width);
   add_length(*command, "row-height", "height of the rows", a->row_height);
   add_length(*command, "foliage-depth", "from the top of the rows to their lowest leaves", a->foliage_depth);
   command->add_option("--edge-sigma-px", a->edge_sigma_px, "scatter of a row's edge in the picture, px")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->capture_default_str();
   command->add_option("--out", a->out, "folder for plan.csv, plan_budget.csv and the figures");
   command->add_flag("--json", a->json, "print JSON");

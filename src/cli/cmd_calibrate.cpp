@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "cli/commands.h"
+#include "cli/numbers.h"
 #include "cli/terminal.h"
 #include "furrow/base/text.h"
 #include "furrow/project/jobs.h"
@@ -108,13 +109,13 @@ void add_solve_options(CLI::App* command, Arguments& arguments) {
           "--corner-outliers", arguments.corner_outliers,
           "leave out corners farther from their projection than this many times the noise; 5 is usual, "
           "0 keeps all")
-      ->check(CLI::NonNegativeNumber)
+      ->check(zero_or_more())
       ->capture_default_str();
   command
       ->add_option("--view-outliers", arguments.view_outliers,
                    "leave out pictures whose RMS is over this many times the median picture's; 3 is usual, 0 "
                    "keeps all")
-      ->check(CLI::NonNegativeNumber)
+      ->check(zero_or_more())
       ->capture_default_str();
   command->add_flag("--weigh-corners", arguments.weigh_corners,
                     "weigh every corner by the sigma that its picture allows, instead of all alike");
@@ -131,7 +132,7 @@ void add_calibrate(CLI::App& app, Action& action) {
   command
       ->add_option("--square-mm", arguments->square_mm,
                    "side of a square of a board without a file, millimetres")
-      ->check(CLI::Range(1.0, 999.0))
+      ->check(between(1.0, 999.0))
       ->excludes("--target");
   command->add_option("--out", arguments->out, "folder for the results")->required();
   command->add_option("--model", arguments->model, "auto (by cross-validation), " + camera::model_names())
@@ -140,9 +141,9 @@ void add_calibrate(CLI::App& app, Action& action) {
   command
       ->add_option("--flight-height", arguments->flight_height_m,
                    "above the crop, m: for the map of the height error")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->capture_default_str();
-  command->add_option("--threads", arguments->threads, "0: one per core")->check(CLI::NonNegativeNumber);
+  command->add_option("--threads", arguments->threads, "0: one per core")->check(zero_or_more());
   command->add_flag("--json", arguments->json, "print JSON");
   command->footer(
       "Example: furrow calibrate --target calib_targets/opencv-9x6-25mm.yaml --out out/cam boards");

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "cli/commands.h"
+#include "cli/numbers.h"
 #include "cli/terminal.h"
 #include "furrow/base/text.h"
 #include "furrow/geom/angles.h"
@@ -199,11 +200,11 @@ CLI::App* add_job(CLI::App* parent, Action& action, const std::shared_ptr<Argume
 
 void add_pictures(CLI::App* command, Arguments& arguments) {
   command->add_option("images", arguments.images, "pictures, or folders of them")->required();
-  command->add_option("--threads", arguments.threads, "0: one per core")->check(CLI::NonNegativeNumber);
+  command->add_option("--threads", arguments.threads, "0: one per core")->check(zero_or_more());
 }
 
 void add_sensor(CLI::App* command, Arguments& arguments, const std::string& words) {
-  command->add_option("--sensor-mm", arguments.sensor_mm, words)->expected(2)->check(CLI::PositiveNumber);
+  command->add_option("--sensor-mm", arguments.sensor_mm, words)->expected(2)->check(above_zero());
 }
 
 }  // namespace
@@ -249,12 +250,12 @@ void add_camera(CLI::App& app, Action& action) {
   validated
       ->add_option("--limit-px", arguments->limits.added_px_per_1280,
                    "misfit that the old lens may add, px per 1280 px of width")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->capture_default_str();
   validated
       ->add_option("--limit-focal-percent", arguments->limits.focal_percent,
                    "change of the focal length that is allowed, %")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->capture_default_str();
 }
 

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/commands.h"
+#include "cli/numbers.h"
 #include "cli/run_summary.h"
 #include "cli/terminal.h"
 #include "furrow/project/jobs.h"
@@ -17,7 +18,7 @@ void add_demo(CLI::App& app, Action& action) {
       app.add_subcommand("demo", "Render a board session and a vineyard flight, then measure them");
   auto arguments = std::make_shared<Arguments>();
   command->add_option("out,--out", arguments->out, "folder for the results")->required();
-  command->add_option("--threads", arguments->threads, "0: one per core")->check(CLI::NonNegativeNumber);
+  command->add_option("--threads", arguments->threads, "0: one per core")->check(zero_or_more());
   command->add_flag("--json", arguments->json, "print JSON");
   command->footer("Example: furrow demo out/demo");
   command->callback([&action, arguments] {

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "cli/commands.h"
+#include "cli/numbers.h"
 #include "cli/terminal.h"
 #include "furrow/base/text.h"
 #include "furrow/camera/model_files.h"
@@ -161,22 +162,25 @@ int follow_row(const Arguments& arguments) {
 void add_field_options(CLI::App* command, Arguments& arguments) {
   command->add_option("--camera", arguments.camera,
                       "camera model; with --spacing, --height or --half-width offsets are metres, else px");
-  command->add_option("--spacing", arguments.spacing_m, "between rows, m")->check(CLI::PositiveNumber);
+  command->add_option("--spacing", arguments.spacing_m, "between rows, m")->check(above_zero());
   command->add_option("--spacing-sigma", arguments.spacing_sigma_m, "one sigma of it, m (default 2 %)")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero())
+      ->needs("--spacing");
   command
       ->add_option(
           "--height", arguments.height_m,
           "of the camera above the tops of the rows, m, from elsewhere; metres also from a row alone")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   command->add_option("--height-sigma", arguments.height_sigma_m, "one sigma of it, m (default 5 %)")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero())
+      ->needs("--height");
   command->add_option("--half-width", arguments.half_width_m, "of the canopy, m, where known")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   command->add_option("--pitch", arguments.pitch_deg, "of the gimbal, deg, negative below the horizon")
-      ->check(CLI::Range(-90.0, 0.0));
+      ->check(between(-90.0, 0.0));
   command->add_option("--pitch-sigma", arguments.pitch_sigma_deg, "one sigma of it, deg")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
+      ->needs("--pitch")
       ->capture_default_str();
 }
 
@@ -210,7 +214,7 @@ void add_follow(CLI::App& app, Action& action) {
           "(rtsp://...)")
       ->required();
   command->add_option("--rate", arguments->rate_hz, "pictures a second of a folder, which has no times")
-      ->check(CLI::PositiveNumber)
+      ->check(between(0.001, 1000.0))
       ->capture_default_str();
   add_rule_options(command, *arguments);
   add_field_options(command, *arguments);
@@ -224,9 +228,9 @@ void add_follow(CLI::App& app, Action& action) {
   command
       ->add_option("--speed", arguments->speed_mps,
                    "forward speed of the setpoints while a row is followed, m/s")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(between(0.0, 10.0))
       ->capture_default_str();
-  command->add_option("--threads", arguments->threads, "0: one per core")->check(CLI::NonNegativeNumber);
+  command->add_option("--threads", arguments->threads, "0: one per core")->check(zero_or_more());
   command->add_flag("--quiet", arguments->quiet, "print no lines");
   command->footer(
       "Prints one JSON object a line and picture; Ctrl-C ends a live run in good order.\n"

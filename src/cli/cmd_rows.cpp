@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "cli/commands.h"
+#include "cli/numbers.h"
 #include "cli/terminal.h"
 #include "furrow/base/text.h"
 #include "furrow/project/jobs.h"
@@ -70,7 +71,7 @@ void add_rows(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->add_option("--steps", arguments->steps,
                       "folder for the pictures of each step of the thesis method");
-  command->add_option("--threads", arguments->threads, "0: one per core")->check(CLI::NonNegativeNumber);
+  command->add_option("--threads", arguments->threads, "0: one per core")->check(zero_or_more());
   command->add_flag("--no-overlays", arguments->no_overlays, "write rows.json only");
   command->add_flag("--json", arguments->json, "print JSON");
   command->footer("Example: furrow rows --out out/rows flight/*.jpg");

@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "cli/commands.h"
+#include "cli/numbers.h"
 #include "cli/run_summary.h"
 #include "cli/terminal.h"
 #include "furrow/audit/truth.h"
@@ -111,7 +112,7 @@ void add_run(CLI::App& app, Action& action) {
   command->add_option("--out", arguments->out, "folder for the results")->required();
   command->add_option("--truth", arguments->truth,
                       "truth.csv of a simulated flight, compared with the finished estimates");
-  command->add_option("--threads", arguments->threads, "0: one per core")->check(CLI::NonNegativeNumber);
+  command->add_option("--threads", arguments->threads, "0: one per core")->check(zero_or_more());
   command->add_flag("--json", arguments->json, "print JSON");
   command->footer("Example: furrow run projects/mini-se-corn/project.yaml --out out/corn");
   command->callback([&action, arguments] {

@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "cli/commands.h"
+#include "cli/numbers.h"
 #include "cli/terminal.h"
 #include "furrow/base/text.h"
 #include "furrow/project/target_jobs.h"
@@ -102,7 +103,7 @@ void add_check(CLI::App& target, Action& action) {
   auto arguments = std::make_shared<CheckArguments>();
   command->add_option("board", arguments->board, "board.yaml")->required();
   command->add_option("images", arguments->images, "pictures of the board, or folders of them")->required();
-  command->add_option("--threads", arguments->threads, "0: one per core")->check(CLI::NonNegativeNumber);
+  command->add_option("--threads", arguments->threads, "0: one per core")->check(zero_or_more());
   command->add_flag("--json", arguments->json, "print JSON");
   command->footer("Example: furrow target check calib_targets/opencv-9x6-25mm.yaml boards/*.jpg");
   command->callback([&action, arguments] { action = [arguments] { return check(*arguments); }; });
