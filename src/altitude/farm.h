@@ -15,7 +15,8 @@ struct Farm {
        rounding_given = false, softness_given = false;
 };
 
-/// Errors: no_spacing, not_finite, bad_field (not above 0), each naming the quantity.
+/// Errors: no_spacing, not_finite, bad_field (not above 0, or rows that overlap), each naming the
+/// quantity.
 Result<Farm> complete_farm(const FieldKnowledge& field);
 
 /// What the pictures tell of a canopy's outline.

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "farm.h"
 #include "furrow/altitude/shot_height.h"
 
 namespace furrow::altitude {
@@ -35,6 +36,8 @@ Result<RowOffset> offset_from_rows(const rows::RowLines& lines, const Camera& ca
                                    const Estimate& height_above_canopy_m) {
   rows::RowLines seen = lines;
   std::erase_if(seen.rows, [](const rows::RowLine& row) { return !row.seen; });
+  // The closed form would take numbers that no farm can have.
+  if (const auto farm = complete_farm(field); field.row_spacing_m.usable() && !farm.ok()) return farm.error();
   if (field.row_spacing_m.usable() && seen.rows.size() > 1) {
     const auto refined = refine_shot(seen, camera, field, prior);
     if (refined.ok()) return of(*refined, height_above_canopy_m);

@@ -268,6 +268,12 @@ TEST(RefineShot, DegenerateInputHasAName) {
   FieldKnowledge negative = field;
   negative.half_width_m.value = -0.6;
   EXPECT_EQ(refine(world, negative, prior).error().code, "bad_field");
+  FieldKnowledge overlapping = field;  // a whole width for half of one doubled heights without a word
+  overlapping.half_width_m.value = 0.7 * field.row_spacing_m.value;
+  const auto overlap = refine(world, overlapping, prior);
+  ASSERT_FALSE(overlap.ok());
+  EXPECT_EQ(overlap.error().code, "bad_field");
+  EXPECT_NE(overlap.error().message().find("at most half"), std::string::npos);
   AttitudePrior wrong = prior;
   wrong.pitch_rad = {deg_to_rad(-30.0), deg_to_rad(0.5), 1};
   const auto conflict = refine(world, field, wrong);

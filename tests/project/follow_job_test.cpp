@@ -381,6 +381,14 @@ TEST(FollowJob, ARowAloneGivesMetresByItsHalfWidth) {
   EXPECT_NEAR(last.offset->value, 0.25, 0.05);
 }
 
+TEST(FollowJob, RowsThatOverlapAreNamed) {
+  FollowJobOptions options;
+  options.field.row_spacing_m = {3.0, 0.06, 1};
+  options.field.half_width_m = {2.5, 0.3, 1};
+  for (const FollowedPicture& picture : follow_alone(options, 0.25).pictures)
+    EXPECT_EQ(picture.following.sighting.status, "bad_field");
+}
+
 TEST(FollowJob, ARowAloneGivesNoMetresByASpacing) {
   FollowJobOptions options;
   options.field.row_spacing_m = {3.0, 0.06, 1};

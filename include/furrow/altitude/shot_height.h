@@ -129,8 +129,8 @@ struct RowOffset {
 
 /// The offset by whatever is known of spacing, height above the canopy and half width, from the rows that
 /// were seen themselves: those which only the common field carries may not be there. By refine_shot where
-/// there is a spacing and it has an answer, else by from_any_scale. Errors: as from_any_scale, and no_metres
-/// (no known length tells any).
+/// there is a spacing and it has an answer, else by from_any_scale. Errors: as from_any_scale, no_metres
+/// (no known length tells any), and bad_field (rows that overlap) with a spacing.
 Result<RowOffset> offset_from_rows(const rows::RowLines& lines, const Camera& camera,
                                    const FieldKnowledge& field, const AttitudePrior& prior,
                                    const Estimate& height_above_canopy_m);
