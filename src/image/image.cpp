@@ -119,4 +119,13 @@ Image resize(const Image& picture, int width, int height) {
   return from_mat(result);
 }
 
+Image crop(const Image& picture, int left, int top, int width, int height) {
+  check(left >= 0 && top >= 0 && width > 0 && height > 0 && left <= picture.width - width && top <= picture.height - height,
+        "crop: a part beyond the picture");
+  Image out = make_image(width, height, picture.channels);
+  const auto row_bytes = static_cast<std::ptrdiff_t>(width) * picture.channels;
+  for (int v = 0; v < height; ++v) std::copy_n(picture.at(left, top + v), row_bytes, out.at(0, v));
+  return out;
+}
+
 }  // namespace furrow::image

@@ -89,7 +89,8 @@ Result<JudgedCalibration> calibrate_from_pictures(const std::vector<std::filesys
   }
   calibration.value().model_choice = choice_words;
   calib::Verdict verdict = calib::judge(*calibration, detections, solve);
-  return JudgedCalibration{std::move(*calibration), std::move(verdict)};
+  calib::TellingViews telling = calib::telling_views(*calibration, detections);
+  return JudgedCalibration{std::move(*calibration), std::move(verdict), std::move(telling), images};
 }
 
 Result<CalibrateOutcome> calibrate_job(const std::vector<std::filesystem::path>& images,
@@ -102,8 +103,7 @@ Result<CalibrateOutcome> calibrate_job(const std::vector<std::filesystem::path>&
   outcome.files = calibration_files(judged.calibration);
   outcome.files.emplace_back("report.html");
   base::report(job.progress, "drawing", 0, 1);
-  FURROW_TRY(auto made,
-             calibration_figures(judged.calibration, judged.verdict, options.flight_height_m, job.threads));
+  FURROW_TRY(auto made, calibration_figures(judged, options.flight_height_m, job.threads));
   outcome.calibration = std::move(judged.calibration);
   for (const auto& figure : made) FURROW_DO(figures::write_figure(out / "figures", figure));
   const auto page = calibration_page(

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "furrow/calib/calibrate.h"
+#include "furrow/calib/telling_views.h"
 #include "furrow/calib/verdict.h"
 #include "furrow/project/jobs.h"
 
@@ -13,6 +14,8 @@ namespace furrow::project {
 struct JudgedCalibration {
   calib::Calibration calibration;
   calib::Verdict verdict;
+  calib::TellingViews telling;                 ///< to be drawn over their pictures
+  std::vector<std::filesystem::path> pictures;  ///< the file of each of calibration.views
 };
 
 /// Board and pictures -> camera. With too few boards found, the error says which board the pictures show

@@ -12,6 +12,7 @@
 #include "furrow/calib/uncertainty.h"
 #include "furrow/figures/camera_maps.h"
 #include "furrow/figures/pictures.h"
+#include "furrow/image/image.h"
 #include "project/height_sections.h"
 
 namespace furrow::project {
@@ -234,15 +235,41 @@ void add_uncertainty(const calib::Calibration& calibration, double flight_height
                             calib::height_error_map, calibration, flight_height_m)});
 }
 
-std::vector<ToDraw> to_draw(const calib::Calibration& calibration, const calib::Verdict& verdict,
-                            double flight_height_m) {
-  std::vector<ToDraw> out{
-      {true, [&] { return figures::reprojection_bars(calibration); }},
+/// The part of a photograph that a view shows, no larger than a figure can use.
+Result<Image> telling_part(const std::filesystem::path& file, const Camera& camera, const calib::TellingView& view) {
+  FURROW_TRY(const Image whole, image::read_image(file));
+  if (whole.width != camera.width || whole.height != camera.height)
+    return Error{"picture_size_differs", file.filename().string(),
+                 std::to_string(whole.width) + "x" + std::to_string(whole.height), size_text(camera), ""};
+  constexpr int kWidestPx = 1600;
+  Image part = image::crop(whole, view.left_px, view.top_px, view.width_px, view.height_px);
+  if (part.width <= kWidestPx) return part;
+  const double scale = static_cast<double>(kWidestPx) / part.width;
+  return image::resize(part, kWidestPx, std::max(1, static_cast<int>(std::lround(scale * part.height))));
+}
+
+void add_corners(const JudgedCalibration& judged, std::vector<ToDraw>& out) {
+  for (std::size_t i = 0; i < judged.telling.views.size(); ++i) {
+    out.push_back({false, [&judged, i]() -> Result<figures::Figure> {
+                     const calib::TellingView& view = judged.telling.views[i];
+                     FURROW_TRY(const Image part, telling_part(judged.pictures[view.view], judged.calibration.camera, view));
+                     return figures::corners_overlay(part, judged.calibration, judged.telling, i);
+                   }});
+  }
+}
+
+std::vector<ToDraw> to_draw(const JudgedCalibration& judged, double flight_height_m) {
+  const calib::Calibration& calibration = judged.calibration;
+  const calib::Verdict& verdict = judged.verdict;
+  std::vector<ToDraw> out{{true, [&] { return figures::reprojection_bars(calibration); }}};
+  add_corners(judged, out);
+  const std::vector<ToDraw> more{
       {true, [&] { return figures::board_poses(calibration); }},
       {true, [&] { return figures::coverage_map(calibration); }},
       {true, [&] { return figures::residual_map(calibration); }},
       {true, [&] { return figures::residual_histogram(calibration); }},
       {false, [&] { return figures::distortion_curve(camera::distortion_curve(calibration.camera)); }}};
+  out.insert(out.end(), more.begin(), more.end());
   add_uncertainty(calibration, flight_height_m, out);
   if (!verdict.halves) return out;
   out.push_back({false, [&] {
@@ -259,10 +286,9 @@ std::vector<ToDraw> to_draw(const calib::Calibration& calibration, const calib::
 
 }  // namespace
 
-Result<std::vector<figures::Figure>> calibration_figures(const calib::Calibration& calibration,
-                                                         const calib::Verdict& verdict,
+Result<std::vector<figures::Figure>> calibration_figures(const JudgedCalibration& judged,
                                                          double flight_height_m, int threads) {
-  const std::vector<ToDraw> wanted = to_draw(calibration, verdict, flight_height_m);
+  const std::vector<ToDraw> wanted = to_draw(judged, flight_height_m);
   std::vector<std::optional<Result<figures::Figure>>> drawn(wanted.size());
   base::parallel_for(wanted.size(), threads, [&](std::size_t i) { drawn[i] = wanted[i].draw(); });
   std::vector<figures::Figure> made;

@@ -9,17 +9,18 @@
 #include "furrow/calib/verdict.h"
 #include "furrow/project/jobs.h"
 #include "furrow/report/page.h"
+#include "project/calibration_outputs.h"
 
 namespace furrow::project {
 
 /// "1.30 \u00b1 0.04"; a sigma that is not known is left out.
 std::string with_sigma(double value, double sigma, int decimals);
 
-/// Figures of a calibration: error bars per view, board poses, residuals over the picture and as a histogram,
-/// coverage, distortion, uncertainty over the picture as px and as height error at that height, and how two
-/// halves of the pictures differ. What a calibration has no numbers for is left out.
-Result<std::vector<figures::Figure>> calibration_figures(const calib::Calibration& calibration,
-                                                         const calib::Verdict& verdict,
+/// Figures of a calibration: error bars per view, corners over the telling pictures, board poses, residuals over
+/// the picture and as a histogram, coverage, distortion, uncertainty over the picture as px and as height error
+/// at that height, and how two halves of the pictures differ. What a calibration has no numbers for, and
+/// pictures that can no longer be read, are left out.
+Result<std::vector<figures::Figure>> calibration_figures(const JudgedCalibration& judged,
                                                          double flight_height_m, int threads = 0);
 
 /// "Calibration" as a section: findings, parameters with sigma, views and what each adds, which pictures to

@@ -460,8 +460,8 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
   FURROW_TRY(content.overlays, overlays(tables.shots, tables.results, tables.flight));
   if (tables.camera.calibration) {
     const calib::Calibration& calibration = tables.camera.calibration->calibration;
-    FURROW_TRY(auto made, calibration_figures(calibration, tables.camera.calibration->verdict,
-                                              flown_height_m(outcome.records), job.threads));
+    FURROW_TRY(auto made, calibration_figures(*tables.camera.calibration, flown_height_m(outcome.records),
+                                              job.threads));
     const auto findings = audit::assess_calibration(calibration, tables.camera.calibration->verdict);
     content.calibration.push_back(
         calibration_section(calibration, tables.camera.calibration->verdict, findings, std::move(made)));

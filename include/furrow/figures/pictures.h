@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "furrow/altitude/birds_eye.h"
+#include "furrow/calib/telling_views.h"
 #include "furrow/figures/figures.h"
 #include "furrow/image/image.h"
 
@@ -39,5 +40,13 @@ Result<Figure> birds_eye(const altitude::BirdsEye& view, const std::string& shot
 /// Every corner's residual (observed - projected) as an arrow from its place in the picture, enlarged by a
 /// stated factor: a pattern here is what the lens model leaves over. Errors: nothing_to_draw (no used view).
 Result<Figure> residual_map(const calib::Calibration& calibration, const FigureOptions& options = {});
+
+/// One of the telling views over its photograph, `corners_view_<number>`: corners as found and as projected, what
+/// lies between enlarged by a stated factor and coloured by length, alike for all of `views`; corners left out
+/// apart; the board's first corner and axes. `picture` is the part of the photograph that the view names, at any
+/// scale. A view without corners is the photograph alone. Errors: nothing_to_draw (empty picture).
+Result<Figure> corners_overlay(const Image& picture, const calib::Calibration& calibration,
+                               const calib::TellingViews& views, std::size_t which,
+                               const FigureOptions& options = {});
 
 }  // namespace furrow::figures

@@ -53,6 +53,9 @@ Image to_grey(const Image& picture);
 /// Area-averaged (smaller) or bilinear (larger) copy of that size.
 Image resize(const Image& picture, int width, int height);
 
+/// The part of that size whose top-left pixel is (left, top); it must lie within the picture.
+Image crop(const Image& picture, int left, int top, int width, int height);
+
 }  // namespace furrow::image
 
 namespace furrow {
