@@ -104,7 +104,8 @@ void set_window(const Camera& camera, const View& view, TellingView& out) {
 void set_axes(const Calibration& calibration, const View& view, TellingView& out) {
   if (view.residual_px.empty()) return;
   const target::BoardSpec& board = calibration.board;
-  const Eigen::Vector2d warp_m(calibration.board_warp_x_m.value, calibration.board_warp_y_m.value);
+  const auto solved = [](const Estimate& e) { return e.observations > 0 ? e.value : 0.0; };
+  const Eigen::Vector2d warp_m(solved(calibration.board_warp_x_m), solved(calibration.board_warp_y_m));
   constexpr int kCorners = 3;
   const auto along = [&](int step_x, int step_y) {
     std::vector<Eigen::Vector2d> points;

@@ -186,7 +186,7 @@ Result<Figure> distortion_curve(const std::vector<camera::DistortionPoint>& curv
   const Frame frame = draw_axes(
       drawing, {kMarginPt, kMarginPt}, {drawing.width_pt - kMarginPt, drawing.height_pt - kMarginPt},
       axis_over("distance from the principal point / px", shift.x, static_cast<int>(inner / 50.0)),
-      axis_over("farther out than a pinhole / px", shift.y, 6, true), true);
+      axis_over("farther out than a pinhole / px", shift.y, 6, true), Grid::both);
   draw_level(drawing, frame, 0.0, kInk, {}, 0.6);
   draw_series(drawing, frame, {shift});
   const camera::DistortionPoint& last = curve.back();

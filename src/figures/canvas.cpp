@@ -68,7 +68,13 @@ class DrawingItem : public vtkContextItem {
   double scale = 1.0;      ///< device units per point
   double height = 0.0;     ///< of the device, whose y runs upwards
   bool is_vector = false;  ///< the device fills any polygon and takes pictures from elsewhere
-  std::vector<vtkSmartPointer<vtkImageData>> pictures;
+  /// What of the drawing's pictures is to be painted, as textures, and where on the paper.
+  struct Photograph {
+    vtkSmartPointer<vtkImageData> rows;
+    Point top_left = Point::Zero();  ///< device units, y downwards from the paper's top
+    Point size = Point::Zero();
+  };
+  std::vector<Photograph> pictures;
 
   bool Paint(vtkContext2D* painter) override {
     if (!is_vector) paint_pictures(*painter);
@@ -149,27 +155,43 @@ class DrawingItem : public vtkContextItem {
   }
 
   void paint_pictures(vtkContext2D& painter) const {
-    for (std::size_t i = 0; i < pictures.size(); ++i) {
-      const Picture& picture = drawing->pictures[i];
-      painter.DrawImage(
-          vtkRectf(static_cast<float>(picture.top_left.x() * scale),
-                   static_cast<float>(height - (picture.top_left.y() + picture.height_pt) * scale),
-                   static_cast<float>(picture.width_pt * scale),
-                   static_cast<float>(picture.height_pt * scale)),
-          pictures[i]);
+    for (const Photograph& one : pictures) {
+      const double bottom = height - (one.top_left.y() + one.size.y());
+      painter.DrawImage(vtkRectf(static_cast<float>(one.top_left.x()), static_cast<float>(bottom),
+                                 static_cast<float>(one.size.x()), static_cast<float>(one.size.y())),
+                        one.rows);
     }
   }
 };
 vtkStandardNewMacro(DrawingItem);
 
-vtkSmartPointer<vtkImageData> texture(const Image& rgb) {
+/// Rows [first, end) of a picture.
+vtkSmartPointer<vtkImageData> texture(const Image& rgb, int first, int end) {
   auto data = vtkSmartPointer<vtkImageData>::New();
-  data->SetDimensions(rgb.width, rgb.height, 1);
+  data->SetDimensions(rgb.width, end - first, 1);
   data->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
   auto* to = static_cast<std::uint8_t*>(data->GetScalarPointer());
   const auto row_bytes = static_cast<std::ptrdiff_t>(rgb.width) * 3;
-  for (int v = rgb.height - 1; v >= 0; --v, to += row_bytes) std::copy_n(rgb.at(0, v), row_bytes, to);
+  for (int v = end - 1; v >= first; --v, to += row_bytes) std::copy_n(rgb.at(0, v), row_bytes, to);
   return data;
+}
+
+/// The rows of the pictures that a strip of the paper shows: the renderer takes a texture anew for each strip.
+std::vector<DrawingItem::Photograph> rows_in_strip(const Drawing& drawing, const std::vector<Image>& pictures,
+                                                   double scale, double strip_top, double strip_bottom) {
+  std::vector<DrawingItem::Photograph> out;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const Image& rgb = pictures[i];
+    const Picture& place = drawing.pictures[i];
+    const double top = place.top_left.y() * scale, row = place.height_pt * scale / rgb.height;
+    constexpr int kBeyond = 2;  // rows that smoothing between rows looks at
+    const int first = std::max(0, static_cast<int>(std::floor((strip_top - top) / row)) - kBeyond);
+    const int end = std::min(rgb.height, static_cast<int>(std::ceil((strip_bottom - top) / row)) + kBeyond);
+    if (first >= end) continue;
+    out.push_back({texture(rgb, first, end), {place.top_left.x() * scale, top + first * row},
+                   {place.width_pt * scale, (end - first) * row}});
+  }
+  return out;
 }
 
 Image as_rgb(const Image& picture) {
@@ -245,7 +267,8 @@ std::vector<Image> fitted_pictures(const Drawing& drawing, double px_per_pt) {
 
 /// Paints strip by strip: of the whole picture, supersampled, the renderer would keep several copies at once,
 /// some hundred MB for a figure of a page's width. Empty where OpenGL gives no pixels.
-Image paint_strips(vtkRenderWindow& window, DrawingItem& item, int width, int height, int times) {
+Image paint_strips(vtkRenderWindow& window, DrawingItem& item, const std::vector<Image>& pictures, int width,
+                   int height, int times) {
   constexpr int kStripPx = 80;
   const int strip_px = std::min(kStripPx, height);
   window.SetSize(width * times, strip_px * times);
@@ -254,6 +277,7 @@ Image paint_strips(vtkRenderWindow& window, DrawingItem& item, int width, int he
   for (int top = 0; top < height; top += strip_px) {
     // The last strip may end above the window's lower edge; y runs upwards from there.
     item.height = static_cast<double>(top + strip_px) * times;
+    item.pictures = rows_in_strip(*item.drawing, pictures, item.scale, static_cast<double>(top) * times, item.height);
     window.Render();
     const int rows = std::min(strip_px, height - top), lowest = (strip_px - rows) * times;
     constexpr int kBackBuffer = 0;
@@ -275,7 +299,6 @@ Result<Image> paint_pixels(const Drawing& drawing, double px_per_pt, int width, 
   vtkNew<DrawingItem> item;
   item->drawing = &drawing;
   item->scale = px_per_pt * times;
-  for (const Image& picture : pictures) item->pictures.push_back(texture(picture));
 
   vtkNew<vtkRenderer> layer;
   layer->SetBackground(1.0, 1.0, 1.0);
@@ -286,7 +309,7 @@ Result<Image> paint_pixels(const Drawing& drawing, double px_per_pt, int width, 
   actor->SetScene(scene);
   layer->AddActor(actor);
   gl->window->AddRenderer(layer);
-  const Image painted = paint_strips(*gl->window, *item, width, height, times);
+  const Image painted = paint_strips(*gl->window, *item, pictures, width, height, times);
   gl->window->RemoveRenderer(layer);
   gl->context->release();
   if (painted.empty()) {

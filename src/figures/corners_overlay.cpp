@@ -1,6 +1,7 @@
 // A photograph of a board with its corners as found and as projected.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "figures/finish.h"
 #include "figures/font.h"
@@ -29,8 +30,8 @@ Marks marks_for(const calib::TellingViews& views, double pt_per_px) {
   Marks marks;
   const double typical_px = std::isfinite(views.residual_px) ? std::max(views.residual_px, 1e-9) : 1.0;
   const double spacing_px = std::isfinite(views.spacing_px) ? views.spacing_px : 1.0;
-  // Typical arrows nearly reach the neighbour, by a round factor.
-  constexpr double kLongest = 0.9, kRing = 0.3, kSmallestPt = 2.6, kLargestPt = 7.0;
+  // Typical lines stay short of the neighbour, by a round factor.
+  constexpr double kLongest = 0.7, kRing = 0.35, kSmallestPt = 3.5, kLargestPt = 9.0;
   const Ticks steps = nice_ticks(0.0, kLongest * spacing_px / typical_px, 2);
   if (steps.values.size() > 1) {
     marks.enlarged = steps.values.back();
@@ -48,13 +49,13 @@ Frame photograph_frame(Drawing& drawing, const calib::TellingView& view) {
   constexpr double kTallestShare = 1.1;  // of the width: an upright picture must not fill pages
   const double right = drawing.width_pt - kMarginPt, any_pt = 100.0;
   Drawing scratch = drawing;  // what the axes' texts take does not depend on the height
-  const Frame trial = draw_axes(scratch, {kMarginPt, kMarginPt}, {right, any_pt}, x, flipped(y));
+  const Frame trial = draw_axes(scratch, {kMarginPt, kMarginPt}, {right, any_pt}, x, flipped(y), Grid::none);
   const double above = trial.top_left.y(), below = any_pt - trial.bottom_right.y();
   const double widest = trial.bottom_right.x() - trial.top_left.x();
   const double shape = static_cast<double>(view.height_px) / view.width_px;
   const double width = std::min(widest, kTallestShare * drawing.width_pt / shape);
   drawing.height_pt = above + width * shape + below;
-  return draw_axes(drawing, {kMarginPt, kMarginPt}, {right - (widest - width), drawing.height_pt}, x, flipped(y));
+  return draw_axes(drawing, {kMarginPt, kMarginPt}, {right - (widest - width), drawing.height_pt}, x, flipped(y), Grid::none);
 }
 
 void draw_rimmed(Drawing& drawing, const Frame& frame, const std::vector<Point>& points, Colour colour, double width_pt) {
@@ -93,17 +94,32 @@ void draw_board_axes(Drawing& drawing, const Frame& frame, const calib::TellingV
   add_marker(drawing, Marker::square, origin, 5.0, kBoardAxes);
 }
 
-void draw_mark(Drawing& drawing, Marker marker, const Point& at, double size_pt, Colour colour) {
-  // Rims of a thin sign are the same sign, wider; a marker's pen grows with its size.
-  for (const auto& [rim, grow] : {std::pair{kPaleRim, 0.7}, std::pair{kDarkRim, 0.35}}) {
-    if (marker == Marker::ring) {
-      add_marker(drawing, marker, at, size_pt + 2 * grow, rim);
-      add_marker(drawing, marker, at, size_pt - 2 * grow, rim);
-    } else {
-      add_marker(drawing, marker, at, size_pt + 2 * grow, rim);
+/// A ring or a cross as lines, which rims can follow.
+void draw_mark(Drawing& drawing, bool is_cross, const Point& at, double size_pt, Colour colour) {
+  constexpr int kSides = 20;
+  std::vector<std::vector<Point>> lines;
+  const double half = 0.5 * size_pt;
+  if (is_cross) {
+    lines = {{at + Point(-half, -half), at + Point(half, half)}, {at + Point(-half, half), at + Point(half, -half)}};
+  } else {
+    lines.emplace_back();
+    for (int i = 0; i <= kSides + 1; ++i) {  // past the first, so that the joint is closed
+      const double angle = 2.0 * std::numbers::pi * i / kSides;
+      lines[0].push_back(at + half * Point(std::cos(angle), std::sin(angle)));
     }
   }
-  add_marker(drawing, marker, at, size_pt, colour);
+  const double pen_pt = 0.5 + 0.08 * size_pt;
+  for (const auto& [ink, width] : {std::pair{kPaleRim, pen_pt + 1.4}, std::pair{kDarkRim, pen_pt + 0.7}, std::pair{colour, pen_pt}}) {
+    for (const auto& line : lines) drawing.items.push_back(Stroke{line, ink, width});
+  }
+}
+
+void draw_plus(Drawing& drawing, const Point& at, double size_pt) {
+  const double half = 0.5 * size_pt;
+  for (const auto& [ink, width] : {std::pair{kDarkRim, 1.2}, std::pair{kWhite, 0.6}}) {
+    drawing.items.push_back(Stroke{{at - Point(half, 0), at + Point(half, 0)}, ink, width});
+    drawing.items.push_back(Stroke{{at - Point(0, half), at + Point(0, half)}, ink, width});
+  }
 }
 
 bool is_left_out(const calib::View& view, std::size_t corner) {
@@ -118,11 +134,11 @@ void draw_corner(Drawing& drawing, const Frame& frame, const Marks& marks, const
     const Eigen::Vector2d projected = found - residual, tip = found + marks.enlarged * residual;
     const Colour colour = is_left_out(view, c) ? kLeftOut : viridis(residual.norm() / marks.top_px);
     draw_rimmed(drawing, frame, {at, frame.map(tip.x(), tip.y())}, colour, 0.9);
-    draw_mark(drawing, is_left_out(view, c) ? Marker::cross : Marker::ring, at, marks.ring_pt, colour);
+    draw_mark(drawing, is_left_out(view, c), at, marks.ring_pt, colour);
     const Point plus = frame.map(projected.x(), projected.y());
-    if (inside(frame, plus)) add_marker(drawing, Marker::plus, plus, 0.8 * marks.ring_pt, kWhite);
+    if (inside(frame, plus)) draw_plus(drawing, plus, 0.7 * marks.ring_pt);
   } else {
-    draw_mark(drawing, Marker::cross, at, marks.ring_pt, kLeftOut);
+    draw_mark(drawing, true, at, marks.ring_pt, kLeftOut);
   }
 }
 
@@ -196,7 +212,7 @@ Result<Figure> corners_overlay(const Image& picture, const calib::Calibration& c
   const auto entries = legend(view, shown, marks);
   if (!entries.empty()) {
     drawing.height_pt += draw_legend(drawing, {kMarginPt, drawing.height_pt}, inner, entries);
-    drawing.height_pt += draw_colour_bar(drawing, {frame.top_left.x(), drawing.height_pt}, size.x(),
+    drawing.height_pt += draw_colour_bar(drawing, {frame.top_left.x(), drawing.height_pt}, size.x() - kTickTextPt,
                                          axis_between("from projected to found / px; brighter is not told apart", 0.0, marks.top_px, 6));
   }
   drawing.height_pt += kMarginPt;

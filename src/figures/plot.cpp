@@ -51,11 +51,11 @@ void draw_x_axis(Drawing& drawing, const Frame& frame, bool grid) {
   drawing.items.push_back(Text{middle, frame.x.text, kAxisTextPt, kInk, Align::middle});
 }
 
-void draw_y_axis(Drawing& drawing, const Frame& frame, double outer_left) {
+void draw_y_axis(Drawing& drawing, const Frame& frame, double outer_left, bool grid) {
   const double left = frame.top_left.x();
   for (const double value : frame.y.ticks.values) {
     const double y = frame.map(frame.x.low, value).y();
-    drawing.items.push_back(Stroke{{{left, y}, {frame.bottom_right.x(), y}}, kGridGrey, kGridPenPt, {}});
+    if (grid) drawing.items.push_back(Stroke{{{left, y}, {frame.bottom_right.x(), y}}, kGridGrey, kGridPenPt, {}});
     drawing.items.push_back(Stroke{{{left - kTickLengthPt, y}, {left, y}}, kInk, kAxisPenPt, {}});
     drawing.items.push_back(Text{{left - kTickLengthPt - kTextGapPt, y + kCapHeight / 2 * kTickTextPt},
                                  tick_text(value, frame.y.ticks.decimals),
@@ -258,7 +258,7 @@ Axis flipped(Axis axis) {
 }
 
 Frame draw_axes(Drawing& drawing, const Point& outer_top_left, const Point& outer_bottom_right, const Axis& x,
-                const Axis& y, bool vertical_grid) {
+                const Axis& y, Grid grid) {
   Frame frame{outer_top_left, outer_bottom_right, x, y};
   frame.top_left.x() += kAxisTextPt + 2 * kTextGapPt + widest_tick_pt(y.ticks) + kTickLengthPt;
   frame.top_left.y() += 0.5 * kTickTextPt;
@@ -270,8 +270,8 @@ Frame draw_axes(Drawing& drawing, const Point& outer_top_left, const Point& oute
   frame.bottom_right.x() -=
       std::max(1.0, 0.5 * last_tick_pt - over * (frame.bottom_right.x() - frame.top_left.x()));
   frame.bottom_right.y() -= below_axis_pt();
-  draw_x_axis(drawing, frame, vertical_grid);
-  draw_y_axis(drawing, frame, outer_top_left.x());
+  draw_x_axis(drawing, frame, grid == Grid::both);
+  draw_y_axis(drawing, frame, outer_top_left.x(), grid != Grid::none);
   add_frame(drawing, frame.top_left, frame.bottom_right, kInk, kAxisPenPt);
   return frame;
 }

@@ -69,10 +69,13 @@ struct Frame {
   bool holds(double value_y) const { return value_y >= y.low && value_y <= y.high; }
 };
 
+/// Lines behind the data at the ticks; over a photograph there are none.
+enum class Grid { none, across, both };
+
 /// Draws axes, grid, ticks and their text inside the rectangle `outer`; the frame is what is left for the
 /// data.
 Frame draw_axes(Drawing& drawing, const Point& outer_top_left, const Point& outer_bottom_right, const Axis& x,
-                const Axis& y, bool vertical_grid = false);
+                const Axis& y, Grid grid = Grid::across);
 
 /// Draws bands first, then lines, then markers. Values beyond the y axis become arrows at its end;
 /// returns how many.
