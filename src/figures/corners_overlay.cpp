@@ -15,8 +15,8 @@ namespace {
 constexpr Colour kLeftOut = kVermillion;
 constexpr Colour kBoardAxes = kOrange;
 /// Rims under every mark: on black squares the pale one shows it, on white ones the dark one.
-constexpr Colour kDarkRim{0x10, 0x10, 0x10, 220};
-constexpr Colour kPaleRim{0xFF, 0xFF, 0xFF, 200};
+constexpr Colour kDarkRim{0x10, 0x10, 0x10};
+constexpr Colour kPaleRim{0xF0, 0xF0, 0xF0};
 
 /// How marks over the photograph are drawn, the same in every picture of a calibration.
 struct Marks {
@@ -70,23 +70,23 @@ bool inside(const Frame& frame, const Point& at) {
   return (at.array() >= frame.top_left.array()).all() && (at.array() <= frame.bottom_right.array()).all();
 }
 
-/// One axis of the board with its name at the end.
+/// One axis of the board; its name stands at its end, outside the board: opposite to where the other axis runs.
 void draw_board_axis(Drawing& drawing, const Frame& frame, const std::vector<Eigen::Vector2d>& axis_px,
-                     const std::string& name) {
+                     const std::vector<Eigen::Vector2d>& other_px, const std::string& name) {
   std::vector<Point> points;
   for (const Eigen::Vector2d& px : axis_px) points.push_back(frame.map(px.x(), px.y()));
   draw_rimmed(drawing, frame, points, kBoardAxes, 1.5);
-  if (points.size() < 2) return;
+  if (points.size() < 2 || other_px.size() < 2) return;
   constexpr double kSizePt = 8.0;
-  const Point beyond = points.back() + 0.9 * kSizePt * (points.back() - points[points.size() - 2]).normalized();
-  const Point room(kSizePt, kSizePt);
-  if (inside(frame, beyond - room) && inside(frame, beyond + room))
-    add_label(drawing, beyond, name, kSizePt, kBlack, kBoardAxes);
+  const Point other = frame.map(other_px.back().x(), other_px.back().y()) - points.front();
+  const Point at = points.back() - 1.4 * kSizePt * other.normalized(), room(kSizePt, kSizePt);
+  if (inside(frame, at - room) && inside(frame, at + room))
+    add_label(drawing, at, name, kSizePt, kBlack, kBoardAxes);
 }
 
 void draw_board_axes(Drawing& drawing, const Frame& frame, const calib::TellingView& view) {
-  draw_board_axis(drawing, frame, view.x_axis_px, "x");
-  draw_board_axis(drawing, frame, view.y_axis_px, "y");
+  draw_board_axis(drawing, frame, view.x_axis_px, view.y_axis_px, "x");
+  draw_board_axis(drawing, frame, view.y_axis_px, view.x_axis_px, "y");
   if (view.x_axis_px.empty()) return;
   const Point origin = frame.map(view.x_axis_px.front().x(), view.x_axis_px.front().y());
   if (!inside(frame, origin)) return;

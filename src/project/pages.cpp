@@ -241,7 +241,7 @@ Result<Image> telling_part(const std::filesystem::path& file, const Camera& came
   if (whole.width != camera.width || whole.height != camera.height)
     return Error{"picture_size_differs", file.filename().string(),
                  std::to_string(whole.width) + "x" + std::to_string(whole.height), size_text(camera), ""};
-  constexpr int kWidestPx = 1600;
+  constexpr int kWidestPx = 1600;  // beyond what the figure's width holds, so that shrinking twice costs no detail
   Image part = image::crop(whole, view.left_px, view.top_px, view.width_px, view.height_px);
   if (part.width <= kWidestPx) return part;
   const double scale = static_cast<double>(kWidestPx) / part.width;
@@ -253,7 +253,10 @@ void add_corners(const JudgedCalibration& judged, std::vector<ToDraw>& out) {
     out.push_back({false, [&judged, i]() -> Result<figures::Figure> {
                      const calib::TellingView& view = judged.telling.views[i];
                      FURROW_TRY(const Image part, telling_part(judged.pictures[view.view], judged.calibration.camera, view));
-                     return figures::corners_overlay(part, judged.calibration, judged.telling, i);
+                     // Photographs are what a page weighs and what takes longest to paint.
+                     constexpr double kPhotographDpi = 150.0;
+                     return figures::corners_overlay(part, judged.calibration, judged.telling, i,
+                                                     {figures::kTwoColumnsMm, kPhotographDpi});
                    }});
   }
 }

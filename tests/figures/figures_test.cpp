@@ -62,6 +62,27 @@ std::vector<DeviationByHand> flights_by_hand() {
   return {low, high};
 }
 
+/// The views of the sample calibration that the figures of corners show: a used one with a corner left out, part of
+/// its board seen, and one without a board.
+struct CornerSample {
+  Image picture = samples::field(320, 180, 20.0).picture;
+  calib::Calibration calibration = samples::calibration();
+  calib::TellingViews telling;
+
+  CornerSample() {
+    calib::View& view = calibration.views[2];
+    view.left_out.assign(view.residual_px.size(), false);
+    view.left_out[4] = true;
+    view.residual_px[6].x() = kNaN;
+    for (int i = 0; i < 54; ++i) view.corner_ids.push_back(i + 10);
+    telling.residual_px = 0.35;
+    telling.spacing_px = 60.0;
+    telling.views.resize(2);
+    telling.views[0] = {2, "lowest RMS", 0, 0, 1280, 720, {{300.0, 200.0}, {340.0, 205.0}, {380.0, 210.0}}, {{300.0, 200.0}, {300.0, 240.0}}};
+    telling.views[1] = {4, "not used", 0, 0, 1280, 720, {}, {}};
+  }
+};
+
 struct Case {
   std::string name;
   std::function<Result<Figure>(const FigureOptions&)> draw;
@@ -95,6 +116,17 @@ std::vector<Case> all_figures() {
       {"plan_over_pitch", [=](const auto& o) { return plan_over_pitch(plans, o); }},
       {"plan_over_height", [=](const auto& o) { return plan_over_height(plans, o); }},
       {"residual_map", [=](const auto& o) { return residual_map(calibration, o); }},
+      {"corners_view_3",
+       [](const auto& o) {
+         const CornerSample sample;
+         return corners_overlay(sample.picture, sample.calibration, sample.telling, 0, o);
+       }},
+      {"corners_view_5",
+       [](const auto& o) {
+         const CornerSample sample;
+         return corners_overlay(sample.picture, sample.calibration, sample.telling, 1, o);
+       },
+       false},
       {"residual_errors", [=](const auto& o) { return residual_histogram(calibration, o); }},
       {"coverage_map", [=](const auto& o) { return coverage_map(calibration, o); }},
       {"distortion_curve",
@@ -186,6 +218,31 @@ TEST(Figures, SameInputSameBytesWhateverWasDrawnBeforeAndOnWhicheverThread) {
     EXPECT_EQ(base::sha256_hex(first[i].png), base::sha256_hex(again[i].png));
     EXPECT_EQ(base::to_csv(first[i].data), base::to_csv(again[i].data));
   }
+}
+
+TEST(Figures, CornersTableHoldsTheViewsResidualsAndSaysWhatWasLeftOut) {
+  const CornerSample sample;
+  const Figure figure = corners_overlay(sample.picture, sample.calibration, sample.telling, 0).value();
+  const calib::View& view = sample.calibration.views[2];
+  const auto& table = figure.data;
+  const auto id = table.column("corner_id"), u = table.column("u_px"), projected_u = table.column("projected_u_px"),
+             dv = table.column("residual_v_px"), left_out = table.column("left_out");
+  ASSERT_TRUE(id && u && projected_u && dv && left_out);
+  ASSERT_EQ(table.rows.size(), view.observed_px.size());
+  for (std::size_t c = 0; c < table.rows.size(); ++c) {
+    EXPECT_EQ(table.rows[c][*id], std::to_string(c + 10));
+    EXPECT_NEAR(std::stod(table.rows[c][*u]), view.observed_px[c].x(), 6e-5);
+    EXPECT_NEAR(std::stod(table.rows[c][*dv]), view.residual_px[c].y(), 6e-5);
+    EXPECT_EQ(table.rows[c][*left_out], c == 4 ? "yes" : "no");
+    if (c == 6) continue;
+    EXPECT_NEAR(std::stod(table.rows[c][*projected_u]), view.observed_px[c].x() - view.residual_px[c].x(), 6e-5);
+  }
+  EXPECT_EQ(table.rows[6][*projected_u], "");
+  EXPECT_TRUE(holds(figure.caption, "View 3, boards/left3.jpg: lowest RMS"));
+  EXPECT_TRUE(holds(figure.caption, "53 corners, 1 left out"));
+  EXPECT_TRUE(holds(figure.caption, "100 times enlarged"));
+  const Figure without = corners_overlay(sample.picture, sample.calibration, sample.telling, 1).value();
+  EXPECT_TRUE(holds(without.caption, "not used: no board of 9x6 inner corners found"));
 }
 
 TEST(Figures, HeightsTableHoldsTheNumbersDrawn) {

@@ -51,5 +51,13 @@ TEST(Image, ResizeAveragesAreas) {
   EXPECT_EQ(half.data, (std::vector<std::uint8_t>{100, 40}));
 }
 
+TEST(Image, CropTakesTheNamedPart) {
+  Image picture = make_image(4, 3, 1);
+  for (std::size_t i = 0; i < picture.data.size(); ++i) picture.data[i] = static_cast<std::uint8_t>(i);
+  const Image part = crop(picture, 1, 1, 2, 2);
+  EXPECT_EQ(part.data, (std::vector<std::uint8_t>{5, 6, 9, 10}));
+  EXPECT_EQ(crop(picture, 0, 0, 4, 3).data, picture.data);
+}
+
 }  // namespace
 }  // namespace furrow::image
