@@ -32,7 +32,7 @@ Marks marks_for(const calib::TellingViews& views, double pt_per_px) {
   const double spacing_px = std::isfinite(views.spacing_px) ? views.spacing_px : 1.0;
   // Typical lines stay short of the neighbour, by a round factor.
   constexpr double kLongest = 0.7, kRing = 0.35, kSmallestPt = 3.5, kLargestPt = 9.0;
-  const Ticks steps = nice_ticks(0.0, kLongest * spacing_px / typical_px, 2);
+  const Ticks steps = nice_ticks(0.0, kLongest * spacing_px / typical_px, 5);
   if (steps.values.size() > 1) {
     marks.enlarged = steps.values.back();
     marks.decimals = steps.decimals;
@@ -94,23 +94,29 @@ void draw_board_axes(Drawing& drawing, const Frame& frame, const calib::TellingV
   add_marker(drawing, Marker::square, origin, 5.0, kBoardAxes);
 }
 
-/// A ring or a cross as lines, which rims can follow.
-void draw_mark(Drawing& drawing, bool is_cross, const Point& at, double size_pt, Colour colour) {
+/// A ring as a closed band: lines round it would leave gaps at their joints.
+Band ring(const Point& at, double radius_pt, double pen_pt, Colour colour) {
   constexpr int kSides = 20;
-  std::vector<std::vector<Point>> lines;
-  const double half = 0.5 * size_pt;
-  if (is_cross) {
-    lines = {{at + Point(-half, -half), at + Point(half, half)}, {at + Point(-half, half), at + Point(half, -half)}};
-  } else {
-    lines.emplace_back();
-    for (int i = 0; i <= kSides + 1; ++i) {  // past the first, so that the joint is closed
-      const double angle = 2.0 * std::numbers::pi * i / kSides;
-      lines[0].push_back(at + half * Point(std::cos(angle), std::sin(angle)));
-    }
+  Band band;
+  band.colour = colour;
+  for (int i = 0; i <= kSides; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kSides;
+    const Point way(std::cos(angle), std::sin(angle));
+    band.upper.push_back(at + (radius_pt + 0.5 * pen_pt) * way);
+    band.lower.push_back(at + (radius_pt - 0.5 * pen_pt) * way);
   }
-  const double pen_pt = 0.5 + 0.08 * size_pt;
+  return band;
+}
+
+void draw_mark(Drawing& drawing, bool is_cross, const Point& at, double size_pt, Colour colour) {
+  const double half = 0.5 * size_pt, pen_pt = 0.5 + 0.08 * size_pt;
   for (const auto& [ink, width] : {std::pair{kPaleRim, pen_pt + 1.4}, std::pair{kDarkRim, pen_pt + 0.7}, std::pair{colour, pen_pt}}) {
-    for (const auto& line : lines) drawing.items.push_back(Stroke{line, ink, width});
+    if (is_cross) {
+      drawing.items.push_back(Stroke{{at + Point(-half, -half), at + Point(half, half)}, ink, width});
+      drawing.items.push_back(Stroke{{at + Point(-half, half), at + Point(half, -half)}, ink, width});
+    } else {
+      drawing.items.push_back(ring(at, half, width, ink));
+    }
   }
 }
 
@@ -133,8 +139,8 @@ void draw_corner(Drawing& drawing, const Frame& frame, const Marks& marks, const
   if (residual.allFinite()) {
     const Eigen::Vector2d projected = found - residual, tip = found + marks.enlarged * residual;
     const Colour colour = is_left_out(view, c) ? kLeftOut : viridis(residual.norm() / marks.top_px);
-    draw_rimmed(drawing, frame, {at, frame.map(tip.x(), tip.y())}, colour, 0.9);
     draw_mark(drawing, is_left_out(view, c), at, marks.ring_pt, colour);
+    draw_rimmed(drawing, frame, {at, frame.map(tip.x(), tip.y())}, colour, 0.9);
     const Point plus = frame.map(projected.x(), projected.y());
     if (inside(frame, plus)) draw_plus(drawing, plus, 0.7 * marks.ring_pt);
   } else {
@@ -209,6 +215,10 @@ Result<Figure> corners_overlay(const Image& picture, const calib::Calibration& c
 
   const double inner = drawing.width_pt - 2 * kMarginPt;
   drawing.height_pt += kMarginPt;
+  std::string title = what_is_shown(view, shown);
+  if (text_width_pt(title, kLegendTextPt, true) > inner) title = title.substr(0, title.rfind(": "));
+  drawing.items.push_back(Text{{kMarginPt, drawing.height_pt + kLegendTextPt}, title, kLegendTextPt, kInk, Align::start, true});
+  drawing.height_pt += 1.7 * kLegendTextPt;
   const auto entries = legend(view, shown, marks);
   if (!entries.empty()) {
     drawing.height_pt += draw_legend(drawing, {kMarginPt, drawing.height_pt}, inner, entries);

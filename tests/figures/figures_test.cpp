@@ -240,7 +240,7 @@ TEST(Figures, CornersTableHoldsTheViewsResidualsAndSaysWhatWasLeftOut) {
   EXPECT_EQ(table.rows[6][*projected_u], "");
   EXPECT_TRUE(holds(figure.caption, "View 3, boards/left3.jpg: lowest RMS"));
   EXPECT_TRUE(holds(figure.caption, "53 corners, 1 left out"));
-  EXPECT_TRUE(holds(figure.caption, "100 times enlarged"));
+  EXPECT_TRUE(holds(figure.caption, "120 times enlarged"));
   const Figure without = corners_overlay(sample.picture, sample.calibration, sample.telling, 1).value();
   EXPECT_TRUE(holds(without.caption, "not used: no board of 9x6 inner corners found"));
 }
