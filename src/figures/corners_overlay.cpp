@@ -70,7 +70,8 @@ bool inside(const Frame& frame, const Point& at) {
   return (at.array() >= frame.top_left.array()).all() && (at.array() <= frame.bottom_right.array()).all();
 }
 
-/// One axis of the board; its name stands at its end, outside the board: opposite to where the other axis runs.
+/// One axis of the board; its name stands at its end, outside the board, opposite to where the other axis runs; where
+/// the picture ends there, farther along its own.
 void draw_board_axis(Drawing& drawing, const Frame& frame, const std::vector<Eigen::Vector2d>& axis_px,
                      const std::vector<Eigen::Vector2d>& other_px, const std::string& name) {
   std::vector<Point> points;
@@ -79,7 +80,9 @@ void draw_board_axis(Drawing& drawing, const Frame& frame, const std::vector<Eig
   if (points.size() < 2 || other_px.size() < 2) return;
   constexpr double kSizePt = 8.0;
   const Point other = frame.map(other_px.back().x(), other_px.back().y()) - points.front();
-  const Point at = points.back() - 1.4 * kSizePt * other.normalized(), room(kSizePt, kSizePt);
+  const Point own = points.back() - points.front(), room(kSizePt, kSizePt);
+  Point at = points.back() - 1.4 * kSizePt * other.normalized();
+  if (!inside(frame, at - room) || !inside(frame, at + room)) at = points.back() + 1.4 * kSizePt * own.normalized();
   if (inside(frame, at - room) && inside(frame, at + room))
     add_label(drawing, at, name, kSizePt, kBlack, kBoardAxes);
 }
