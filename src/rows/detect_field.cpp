@@ -43,7 +43,7 @@ RowLine row_of(const CommonModel& model, int k, int width, const std::vector<dou
 }
 
 /// Every row that crosses the picture below the horizon, with its own centres and edges.
-std::vector<RowLine> shaped_rows(const GreenMap& map, const CommonModel& model, int width,
+std::vector<RowLine> shaped_rows(const SummedMap& map, const CommonModel& model, int width,
                                  const std::vector<double>& sample_v) {
   int first = 0, last = -1;
   for (const double v : sample_v) {
@@ -127,7 +127,7 @@ int edge_count(const std::vector<RowLine>& rows) {
 
 /// Straight rows towards where their edges meet, and the spacing of their tops, when the gimbal's horizon is
 /// known and the rows are straight: along rows that bend or go over hills a straight model loses edges.
-void straighten(const Image& picture, const Priors& priors, const GreenMap& map,
+void straighten(const Image& picture, const Priors& priors, const SummedMap& map,
                 const std::vector<double>& sample_v, CommonModel& model, std::vector<RowLine>& rows) {
   // Of the edges: straight rows of renders kept 0.96 of them and more (one shot in thirty 0.88), rows over
   // hills 0.78 to 0.89.
@@ -140,7 +140,7 @@ void straighten(const Image& picture, const Priors& priors, const GreenMap& map,
   model = straight;
   rows = std::move(straight_rows);
   const double tilt = priors.horizon_slope.value_or(0.0);
-  const auto tops = find_tops(map, model, tilt, rows);
+  const auto tops = find_tops(map.map(), model, tilt, rows);
   if (!tops) return;
   model = with_spacing(model, tops->middle, tops->spacing);
   rows = shaped_rows(map, model, picture.width, sample_v);
@@ -211,8 +211,8 @@ RowLines shaped(const Image& picture, const DetectOptions& options, const Search
   const auto sample_v =
       sample_rows(picture.height, std::min({options.sample_step_px, most_step, picture.height / 60.0}));
   const bool is_fine = std::min(options.shape_pixels, 1.0 * picture.width * picture.height) <= kSearchPixels;
-  const GreenMap fine =
-      leaf_map(is_fine ? map : green_map(picture, options.shape_pixels), model, found->tooth);
+  const SummedMap fine(
+      leaf_map(is_fine ? map : green_map(picture, options.shape_pixels), model, found->tooth));
   lines.rows = shaped_rows(fine, model, picture.width, sample_v);
   straighten(picture, options.priors, fine, sample_v, model, lines.rows);
   lines.field = model.field();

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <Eigen/Cholesky>
 #include <optional>
 
 #include "furrow/stats/estimate.h"
@@ -54,56 +53,81 @@ float upper_tenth(std::vector<float>& values) {
   return *top;
 }
 
-/// Log light of every pixel that is green, against the median of all that are; kGround for the rest.
-std::vector<float> leaf_light(const GreenMap& map) {
-  constexpr std::size_t kSparse = 97;  // one pixel of so many is enough for a quantile
+/// Log light of pixels that are green, against the median of all that are; kGround for the rest.
+class LeafLight {
+ public:
+  explicit LeafLight(const GreenMap& map) : map_(map) {
+    constexpr std::size_t kSparse = 97;  // one pixel of so many is enough for a quantile
+    std::vector<float> greens;
+    for (std::size_t i = 0; i < map.value.size(); i += kSparse) greens.push_back(map.value[i]);
+    full_ = upper_tenth(greens);
+    for (std::size_t light = 0; light < light_.size(); ++light)
+      light_[light] = std::log(static_cast<float>(light) + kDarkLevel);
+    std::vector<double> lights;
+    for (std::size_t i = 0; i < map.value.size(); i += kSparse)
+      if (map.value[i] > kLeastGreen * full_) lights.push_back(static_cast<double>(light_[map.light[i]]));
+    const float typical = lights.empty() ? 0.0F : static_cast<float>(stats::median(lights));
+    for (float& light : light_) light = std::clamp(light - typical, kGround, -kGround);
+  }
+
+  /// Running sum of a row: sums[u] is the sum over [0, u), and once more the last, so that places between
+  /// need no test.
+  void sum_row(int row, std::vector<float>& sums) const {
+    const auto width = static_cast<std::size_t>(map_.width);
+    const float* green = map_.row(row);
+    const std::uint16_t* light = map_.light.data() + static_cast<std::size_t>(row) * width;
+    sums.resize(width + 2);
+    float sum = sums[0] = 0.0F;
+    const float per_full = full_ > 0.0F ? 1.0F / (full_ * (kFullGreen - kLeastGreen)) : 0.0F;
+    const float least = kLeastGreen * full_ * per_full;
+    for (std::size_t u = 0; u < width; ++u) {
+      const float leaf = std::min(std::max(green[u] * per_full - least, 0.0F), 1.0F);
+      sums[u + 1] = sum += kGround + leaf * (light_[light[u]] - kGround);
+    }
+    sums[width + 1] = sum;
+  }
+
+ private:
   // Part of the greenest pixels' greenness below which nothing is a leaf of the crop, and above which all is:
   // grass has about half.
-  constexpr float kLeastGreen = 0.5F, kFullGreen = 0.85F;
-  std::vector<float> greens;
-  std::vector<double> lights;
-  for (std::size_t i = 0; i < map.value.size(); i += kSparse) greens.push_back(map.value[i]);
-  const float full = upper_tenth(greens), least = kLeastGreen * full;
-  std::vector<float> result(map.value.size());
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    result[i] = std::log(static_cast<float>(map.light[i]) + kDarkLevel);
-    if (i % kSparse == 0 && map.value[i] > least) lights.push_back(static_cast<double>(result[i]));
-  }
-  const float typical = lights.empty() ? 0.0F : static_cast<float>(stats::median(lights));
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    const float leaf =
-        std::clamp((map.value[i] / full - kLeastGreen) / (kFullGreen - kLeastGreen), 0.0F, 1.0F);
-    result[i] = leaf * std::clamp(result[i] - typical, kGround, -kGround) + (1.0F - leaf) * kGround;
-  }
-  return result;
-}
+  static constexpr float kLeastGreen = 0.5F, kFullGreen = 0.85F;
+  const GreenMap& map_;
+  float full_ = 1.0F;
+  std::array<float, 3 * 255 + 1> light_;  // of each R + G + B
+};
 
 LightByRow light_by_row(const GreenMap& map, const PlanarField& field, const Fan& fan) {
   LightByRow light;
-  const std::vector<float> leaves = leaf_light(map);
+  const LeafLight leaves(map);
   const int strip = std::max(1, map.height / 45);
-  std::vector<float> sums(static_cast<std::size_t>(map.width) + 1);
+  std::vector<float> sums;
+  std::array<float, kBins + 1> aside;  // du / dv of each bin's border
+  for (int i = 0; i <= kBins; ++i)
+    aside[static_cast<std::size_t>(i)] =
+        static_cast<float>(fan.u_at(fan.point.y() + 1.0, i * kBin - kReach) - fan.point.x());
   for (int row = 0; row < map.height; ++row) {
     const double v = map.v_in_picture(row);
     if (field.scale(v) < kLeastScale) continue;
-    const float* in = leaves.data() + static_cast<std::ptrdiff_t>(row) * map.width;
-    for (std::size_t u = 0; u < static_cast<std::size_t>(map.width); ++u) sums[u + 1] = sums[u] + in[u];
+    leaves.sum_row(row, sums);
     const auto block = static_cast<std::size_t>((row / strip) % kBlocks);
-    const auto sum_to = [&](double x) {
-      const auto i = std::min(static_cast<std::size_t>(x), static_cast<std::size_t>(map.width) - 1);
-      return sums[i] + static_cast<float>(x - static_cast<double>(i)) * in[i];
-    };
-    double before = -1.0;
-    for (int i = 0; i <= kBins; ++i) {
-      const double border = (fan.u_at(v, i * kBin - kReach) + 0.5) / map.scale_u;
-      const bool inside = border >= 0.0 && border <= map.width;
-      // Each picture row has one vote in a bin: its mean.
-      if (inside && before >= 0.0 && border > before) {
-        light.sum[block][static_cast<std::size_t>(i - 1)] +=
-            (sum_to(border) - sum_to(before)) / static_cast<float>(border - before);
-        light.count[block][static_cast<std::size_t>(i - 1)] += 1.0F;
+    const float first = static_cast<float>((fan.point.x() + 0.5) / map.scale_u);
+    const float per_aside = static_cast<float>((v - fan.point.y()) / map.scale_u);
+    const float end = static_cast<float>(map.width);
+    float before = -1.0F, sum_before = 0.0F;
+    for (std::size_t i = 0; i <= kBins; ++i) {
+      const float border = first + per_aside * aside[i];
+      if (!(border >= 0.0F && border <= end)) {
+        before = -1.0F;
+        continue;
       }
-      before = inside ? border : -1.0;
+      const auto pixel = static_cast<std::size_t>(static_cast<int>(border));
+      const float sum = sums[pixel] + (border - static_cast<float>(pixel)) * (sums[pixel + 1] - sums[pixel]);
+      // Each picture row has one vote in a bin: its mean.
+      if (before >= 0.0F && border > before) {
+        light.sum[block][i - 1] += (sum - sum_before) / (border - before);
+        light.count[block][i - 1] += 1.0F;
+      }
+      before = border, sum_before = sum;
     }
   }
   return light;
@@ -183,10 +207,9 @@ struct Side : MeanLight {
   Drop all{};
   std::array<Drop, kBlocks> without{};
 
-  Side(const LightByRow& light, int towards)
-      : MeanLight(mean_light(light, -1)), direction(towards), all(drop_of(*this, towards)) {
-    for (int b = 0; b < kBlocks; ++b)
-      without[static_cast<std::size_t>(b)] = drop_of(mean_light(light, b), towards);
+  Side(const MeanLight& light, const std::array<MeanLight, kBlocks>& light_without, int towards)
+      : MeanLight(light), direction(towards), all(drop_of(light, towards)) {
+    for (std::size_t b = 0; b < kBlocks; ++b) without[b] = drop_of(light_without[b], towards);
   }
   /// Standard error of the drop at a place, by leaving out each block (Tukey's jackknife).
   float sigma_at(double place) const {
@@ -245,38 +268,50 @@ double evidence(const Side& side, double place) {
   return z / (1.0 + z / kSoft);
 }
 
-/// How the light runs from one far edge (0) to the next (1): dark at the foot of the wall, lighter up to the
-/// near edge of the top, level over the top, which takes `top` of the spacing.
-double light_at(double phase, double top) {
-  return std::min(1.0, phase / (1.0 - top));
-}
-
-/// Sums of squares of light on one side: after a straight trend, and what a comb explains of it.
-struct Explained {
-  double total = 0.0, comb = 0.0;
+/// The light on one side by its distance from the followed row, and what a straight trend leaves of it.
+struct Trendless {
+  std::vector<double> away, trend;  ///< row numbers; the same centred, with squares that sum up to 1
+  std::vector<double> rest;         ///< of the light
+  double total = 0.0;               ///< sum of the rest's squares
 };
 
-Explained explained(const Side& side, const GroundEdges& ground, double spacing) {
-  const double from = ground.near + 0.05, top = 2.0 * ground.half_width / spacing;
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  double squares = 0.0;
+Trendless without_trend(const Side& side, const GroundEdges& ground) {
+  Trendless light;
+  double away_sum = 0.0, sum = 0.0, squares = 0.0, slope = 0.0;
   for (int i = 0; i < kBins; ++i) {
-    if (!side.there[static_cast<std::size_t>(i)]) continue;
     const double away = side.direction * (place_of(i - 0.5) - ground.middle);
-    if (away < from) continue;
-    const double periods = (away - ground.half_width) / spacing, phase = periods - std::floor(periods);
-    const Eigen::Vector3d terms(1.0, away, light_at(phase, top));
-    const double value = static_cast<double>(side.mean[static_cast<std::size_t>(i)]);
-    normal += terms * terms.transpose();
-    right += value * terms;
-    squares += value * value;
+    if (!side.there[static_cast<std::size_t>(i)] || away < ground.near + 0.05) continue;
+    light.away.push_back(away);
+    light.rest.push_back(static_cast<double>(side.mean[static_cast<std::size_t>(i)]));
+    away_sum += away, sum += light.rest.back();
   }
-  const Eigen::Vector2d trend = normal.topLeftCorner<2, 2>().ldlt().solve(right.head<2>());
-  const Eigen::Vector3d all = normal.ldlt().solve(right);
-  if (!all.allFinite() || !trend.allFinite()) return {};
-  const double total = squares - trend.dot(right.head<2>());
-  return {total, all[2] > 0.0 ? total - (squares - all.dot(right)) : 0.0};
+  const double count = static_cast<double>(light.away.size());
+  for (const double away : light.away) light.trend.push_back(away - away_sum / count);
+  for (const double t : light.trend) squares += t * t;
+  if (!(squares > 0.0)) return {};
+  for (std::size_t i = 0; i < light.trend.size(); ++i) {
+    light.trend[i] /= std::sqrt(squares);
+    slope += light.trend[i] * light.rest[i];
+  }
+  for (std::size_t i = 0; i < light.trend.size(); ++i) {
+    light.rest[i] -= sum / count + slope * light.trend[i];
+    light.total += light.rest[i] * light.rest[i];
+  }
+  return light;
+}
+
+/// How much of the rest's squares a comb of that spacing explains. From one far edge to the next the light
+/// runs so: dark at the foot of the wall, lighter up to the near edge of the top, level over the top.
+double explained(const Trendless& light, const GroundEdges& ground, double spacing) {
+  const double per_wall = 1.0 / (1.0 - 2.0 * ground.half_width / spacing);
+  double sum = 0.0, squares = 0.0, trend = 0.0, common = 0.0;
+  for (std::size_t i = 0; i < light.away.size(); ++i) {
+    const double periods = (light.away[i] - ground.half_width) * (1.0 / spacing);
+    const double saw = std::min(1.0, (periods - static_cast<int>(periods)) * per_wall);
+    sum += saw, squares += saw * saw, trend += saw * light.trend[i], common += saw * light.rest[i];
+  }
+  const double own = squares - sum * sum / static_cast<double>(light.away.size()) - trend * trend;
+  return common > 0.0 && own > 0.0 ? common * common / own : 0.0;
 }
 
 /// Spacing of the tops in row numbers of the model. A neighbour's near edge, at the top or at the foot of a
@@ -286,17 +321,21 @@ std::optional<double> top_spacing(const std::array<Side, 2>& sides, const Ground
   constexpr double kStep = 0.01, kDeepestWall = 1.3, kMostStretch = 2.2, kLeastExplained = 0.2;
   const double from = ground.near + 0.8 * ground.half_width;
   const double to = std::min((1.0 + kDeepestWall) * ground.near + ground.half_width, kMostStretch);
-  double best = kLeastExplained;
+  const std::array light = {without_trend(sides[0], ground), without_trend(sides[1], ground)};
+  double best = kLeastExplained * (light[0].total + light[1].total);
   std::optional<double> spacing;
   for (double s = from; s <= to; s += kStep) {
-    Explained sum;
-    for (const Side& side : sides) {
-      const Explained one = explained(side, ground, s);
-      sum.total += one.total, sum.comb += one.comb;
-    }
-    if (sum.comb > best * sum.total) best = sum.comb / sum.total, spacing = s;
+    const double comb = explained(light[0], ground, s) + explained(light[1], ground, s);
+    if (comb > best) best = comb, spacing = s;
   }
   return spacing;
+}
+
+std::array<Side, 2> sides_of(const LightByRow& light) {
+  const MeanLight mean = mean_light(light, -1);
+  std::array<MeanLight, kBlocks> without;
+  for (int b = 0; b < kBlocks; ++b) without[static_cast<std::size_t>(b)] = mean_light(light, b);
+  return {Side(mean, without, -1), Side(mean, without, 1)};
 }
 
 std::optional<Estimate> edge_near(const Side& side, double place, double reach) {
@@ -325,7 +364,7 @@ std::optional<TopComb> find_tops(const GreenMap& map, const CommonModel& model, 
   const auto ground = ground_edges(rows, model);
   if (!fan || !ground) return std::nullopt;
   const LightByRow light = light_by_row(map, model.field(), *fan);
-  const std::array sides = {Side(light, -1), Side(light, 1)};
+  const std::array sides = sides_of(light);
   const auto spacing = top_spacing(sides, *ground);
   if (!spacing) return std::nullopt;
   TopComb comb;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "furrow/stats/robust.h"
 
@@ -38,95 +39,115 @@ double bin_of(double x) {
 using Profile =
     std::array<float, kBins>;  // greenness by distance from the row's model centre; NaN outside the picture
 
-/// Running sums of each of the map's rows: sums[row * (width + 1) + u] is the sum over [0, u).
-std::vector<float> running_sums(const GreenMap& map) {
-  std::vector<float> sums;
-  sums.reserve(static_cast<std::size_t>(map.width + 1) * static_cast<std::size_t>(map.height));
-  for (int v = 0; v < map.height; ++v) {
-    float sum = 0.0F;
-    sums.push_back(sum);
-    for (int u = 0; u < map.width; ++u) sums.push_back(sum += map.row(v)[u]);
+/// Mean over the bins' widths of what several picture rows show. Unseen bins count nothing.
+class ProfileSum {
+ public:
+  /// Takes one row of the map in by its running sum; borders of the bins are at `first + i * width`, px from
+  /// the map's left border. Bins are means over their whole width: points would lose edges between them.
+  void add(const float* running, int map_width, float first, float width) {
+    const float end = static_cast<float>(map_width), per_width = 1.0F / width, bins = static_cast<float>(kBins);
+    const auto from = static_cast<std::size_t>(std::clamp(std::ceil(-first * per_width), 0.0F, bins));
+    const auto to = static_cast<std::size_t>(std::clamp(std::floor((end - first) * per_width), 0.0F, bins));
+    if (to <= from) return;
+    // In loops of which the first and the last fit vector registers.
+    for (std::size_t i = from; i <= to; ++i) {
+      const float x = std::min(std::max(first + static_cast<float>(static_cast<int>(i)) * width, 0.0F), end);
+      pixel_[i] = static_cast<int>(x);
+      sum_to_[i] = x - static_cast<float>(pixel_[i]);
+    }
+    for (std::size_t i = from; i <= to; ++i) {
+      const float* at = running + pixel_[i];
+      sum_to_[i] = at[0] + sum_to_[i] * (at[1] - at[0]);
+    }
+    for (std::size_t i = from; i < to; ++i) sum_[i] += (sum_to_[i + 1] - sum_to_[i]) * per_width;
+    ++begun_[from], --begun_[to];
   }
-  return sums;
-}
+  Profile mean() const {
+    Profile mean;
+    int count = 0;
+    for (std::size_t i = 0; i < kBins; ++i) {
+      count += begun_[i];
+      mean[i] = count > 0 ? sum_[i] / static_cast<float>(count) : kNone;
+    }
+    return mean;
+  }
 
-/// Mean profile over the map's rows that belong to one sample.
-Profile sample_profile(const GreenMap& map, const std::vector<float>& sums, const CommonModel& model, int k,
-                       double v_from, double v_to) {
-  Profile sum{};
-  std::array<int, kBins> count{};
+ private:
+  std::array<float, kBins> sum_{};
+  std::array<int, kBins + 1> begun_{};  // rows that show bins from here on; less those that end
+  std::array<int, kBins + 1> pixel_;
+  std::array<float, kBins + 1> sum_to_;  // at first the part of a pixel
+};
+
+/// Mean profile over the map's rows that belong to one sample. `cuts` are the model's at the map's rows.
+Profile sample_profile(const SummedMap& summed, const std::vector<Cut>& cuts, int k, double v_from,
+                       double v_to) {
+  const GreenMap& map = summed.map();
+  ProfileSum sum;
   const int first =
       std::clamp(static_cast<int>(std::ceil((v_from + 0.5) / map.scale_v - 0.5)), 0, map.height - 1);
   const int last =
       std::clamp(static_cast<int>(std::floor((v_to + 0.5) / map.scale_v - 0.5)), first, map.height - 1);
   const int step = last - first >= 5 ? 2 : 1;  // neighbouring rows of a fine map tell the same
-  const float end = static_cast<float>(map.width);
   for (int row = first; row <= last; row += step) {
-    const double v = map.v_in_picture(row);
-    if (model.field().scale(v) <= 0.02) continue;
-    const Cut cut = model.at(v);
-    const float* running = sums.data() + static_cast<std::ptrdiff_t>(row) * (map.width + 1);
-    const auto sum_to = [&](float x) {
-      const int i = std::min(static_cast<int>(x), map.width - 1);
-      return running[i] + (x - static_cast<float>(i)) * (running[i + 1] - running[i]);
-    };
-    // Borders of the bins, px from the map's left border. Bins are means over their whole width: points would
-    // lose edges between them.
-    const float width = static_cast<float>(kBinWidth * cut.spacing / map.scale_u), per_width = 1.0F / width;
-    float border = static_cast<float>((cut.centre + (k - kReach) * cut.spacing + 0.5) / map.scale_u);
-    float before = border >= 0.0F && border <= end ? sum_to(border) : kNone;
-    for (std::size_t i = 0; i < kBins; ++i) {
-      border += width;
-      const float after = border >= 0.0F && border <= end ? sum_to(border) : kNone;
-      const float value = (after - before) * per_width;
-      before = after;
-      if (std::isnan(value)) continue;
-      sum[i] += value;
-      ++count[i];
-    }
+    const Cut& cut = cuts[static_cast<std::size_t>(row)];
+    if (!(cut.spacing > 0.0)) continue;
+    sum.add(summed.running(row), map.width,
+            static_cast<float>((cut.centre + (k - kReach) * cut.spacing + 0.5) / map.scale_u),
+            static_cast<float>(kBinWidth * cut.spacing / map.scale_u));
   }
-  for (std::size_t i = 0; i < kBins; ++i)
-    sum[i] = count[i] > 0 ? sum[i] / static_cast<float>(count[i]) : kNone;
-  return sum;
+  return sum.mean();
+}
+
+/// The model's cuts of all rows of the map; no spacing where the horizon is near or above.
+std::vector<Cut> cuts_of(const GreenMap& map, const CommonModel& model) {
+  std::vector<Cut> cuts(static_cast<std::size_t>(map.height));
+  for (int row = 0; row < map.height; ++row) {
+    const double v = map.v_in_picture(row);
+    if (model.field().scale(v) > 0.02) cuts[static_cast<std::size_t>(row)] = model.at(v);
+  }
+  return cuts;
 }
 
 /// For every sample the mean of the profiles in its window; a running sum, so the window's length costs
 /// nothing.
 std::vector<Profile> window_means(const std::vector<Profile>& profiles) {
   std::vector<Profile> means(profiles.size());
-  std::array<double, kBins> sum{};
-  std::array<int, kBins> count{};
-  const auto add = [&](const Profile& profile, int sign) {
+  std::array<float, kBins> sum{}, count{};
+  const auto add = [&](const Profile& profile, float sign) {
     for (std::size_t i = 0; i < kBins; ++i) {
       const bool is_seen = !std::isnan(profile[i]);
-      sum[i] += is_seen ? sign * static_cast<double>(profile[i]) : 0.0;
-      count[i] += is_seen ? sign : 0;
+      sum[i] += is_seen ? sign * profile[i] : 0.0F;
+      count[i] += is_seen ? sign : 0.0F;
     }
   };
-  for (std::size_t j = 0; j < std::min<std::size_t>(kWindow, profiles.size()); ++j) add(profiles[j], 1);
+  for (std::size_t j = 0; j < std::min<std::size_t>(kWindow, profiles.size()); ++j) add(profiles[j], 1.0F);
   for (std::size_t j = 0; j < profiles.size(); ++j) {
-    if (j + kWindow < profiles.size()) add(profiles[j + kWindow], 1);
-    if (j > kWindow) add(profiles[j - kWindow - 1], -1);
+    if (j + kWindow < profiles.size()) add(profiles[j + kWindow], 1.0F);
+    if (j > kWindow) add(profiles[j - kWindow - 1], -1.0F);
     for (std::size_t i = 0; i < kBins; ++i)
-      means[j][i] = count[i] > 0 ? static_cast<float>(sum[i] / count[i]) : kNone;
+      means[j][i] = count[i] > 0.0F ? sum[i] / count[i] : kNone;
   }
   return means;
 }
 
 /// Mean of the lowest (or highest) `part` of the values in an interval of x.
 std::optional<float> tail_mean(const Profile& profile, double x_from, double x_to, bool lower, double part) {
-  std::vector<float> values;
+  std::array<float, kBins> values;
   const auto first = static_cast<std::size_t>(std::clamp(std::ceil(bin_of(x_from)), 0.0, kBins - 1.0));
   const auto last = static_cast<std::size_t>(std::clamp(std::floor(bin_of(x_to)), 0.0, kBins - 1.0));
-  for (std::size_t i = first; i <= last; ++i)
-    if (!std::isnan(profile[i])) values.push_back(profile[i]);
-  if (values.size() < 2 || 2 * values.size() < last - first + 1) return std::nullopt;
-  const auto count = static_cast<std::ptrdiff_t>(std::ceil(part * static_cast<double>(values.size())));
-  const auto last_counted = values.begin() + count - 1;
+  std::size_t seen = 0;
+  for (std::size_t i = first; i <= last; ++i) {
+    values[seen] = profile[i];
+    seen += !std::isnan(profile[i]);
+  }
+  if (seen < 2 || 2 * seen < last - first + 1) return std::nullopt;
+  const auto count = static_cast<std::ptrdiff_t>(std::ceil(part * static_cast<double>(seen)));
+  const auto end = values.begin() + static_cast<std::ptrdiff_t>(seen), last_counted = values.begin() + count - 1;
   if (lower) {
-    std::nth_element(values.begin(), last_counted, values.end());
+    std::nth_element(values.begin(), last_counted, end);
   } else {
-    std::nth_element(values.begin(), last_counted, values.end(), std::greater<>());
+    std::nth_element(values.begin(), last_counted, end, std::greater<>());
   }
   return std::accumulate(values.begin(), last_counted + 1, 0.0F) / static_cast<float>(count);
 }
@@ -237,12 +258,12 @@ struct Measured {
 };
 
 /// Light at and beside one sample's row, on the map's row nearest to it.
-Light sample_light(const GreenMap& map, const CommonModel& model, int k, double v,
-                   const std::optional<double>& left, const std::optional<double>& right) {
+Light sample_light(const GreenMap& map, const Cut& cut, int k, const std::optional<double>& left,
+                   const std::optional<double>& right) {
   Light light;
   if (map.light.empty() || !left || !right) return light;
-  const Cut cut = model.at(v);
-  const int row = std::clamp(static_cast<int>(std::lround((v + 0.5) / map.scale_v - 0.5)), 0, map.height - 1);
+  const int row =
+      std::clamp(static_cast<int>(std::lround((cut.v + 0.5) / map.scale_v - 0.5)), 0, map.height - 1);
   const auto at = [&](double x) -> std::optional<float> {
     const double u = (cut.centre + (k + x) * cut.spacing + 0.5) / map.scale_u - 0.5;
     if (u < 0.0 || u > map.width - 1.0) return std::nullopt;
@@ -279,9 +300,12 @@ Light window_light(const std::vector<Light>& lights, std::size_t at) {
 float barest_ground(const GreenMap& map, const PlanarField& field) {
   constexpr std::size_t kSparse = 37;  // one pixel of so many is enough for a quantile
   std::vector<float> values;
-  for (std::size_t i = 0; i < map.value.size(); i += kSparse) {
-    const int row = static_cast<int>(i / static_cast<std::size_t>(map.width));
-    if (field.scale(map.v_in_picture(row)) > 0.1) values.push_back(map.value[i]);
+  values.reserve(map.value.size() / kSparse + 1);
+  const auto width = static_cast<std::size_t>(map.width);
+  for (std::size_t row = 0, i = 0; row < static_cast<std::size_t>(map.height); ++row) {
+    const bool is_below = field.scale(map.v_in_picture(static_cast<int>(row))) > 0.1;
+    for (; i < (row + 1) * width; i += kSparse)
+      if (is_below) values.push_back(map.value[i]);
   }
   if (values.empty()) return 0.0F;
   const auto low = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 20);
@@ -289,36 +313,35 @@ float barest_ground(const GreenMap& map, const PlanarField& field) {
   return *low;
 }
 
-Measured measure(const GreenMap& map, const CommonModel& model, const RowLine& row,
-                 const std::vector<Profile>& profiles, float barest) {
+/// `cuts` are the model's at the row's samples.
+Measured measure(const GreenMap& map, const std::vector<Cut>& cuts, int k, const std::vector<Profile>& profiles,
+                 float barest) {
   Measured measured;
   const std::vector<Profile> means = window_means(profiles);
   std::vector<Light> lights;
   std::vector<std::array<EdgeSearch, 2>> searches(profiles.size());
   for (std::size_t j = 0; j < profiles.size(); ++j) {
     const Levels levels = levels_of(means[j], barest);
-    for (int side = 0; side < 2; ++side)
-      searches[j][static_cast<std::size_t>(side)] = search_for(means[j], side, levels);
-    lights.push_back(sample_light(map, model, row.index, row.samples[j].centre_px.y(),
-                                  edge_of(means[j], 0, searches[j][0]),
-                                  edge_of(means[j], 1, searches[j][1])));
+    for (std::size_t side = 0; side < 2; ++side) {
+      const int on = static_cast<int>(side);
+      searches[j][side] = search_for(means[j], on, levels);
+      measured.smooth[side].push_back(edge_of(means[j], on, searches[j][side]));
+    }
+    lights.push_back(sample_light(map, cuts[j], k, measured.smooth[0][j], measured.smooth[1][j]));
   }
+  const double mixed_px = std::hypot(kMixedPx, map.scale_u);
   std::array<std::vector<double>, 2> residuals;
   for (std::size_t j = 0; j < profiles.size(); ++j) {
     const Light light = window_light(lights, j);
-    const double spacing = model.at(row.samples[j].centre_px.y()).spacing;
     for (std::size_t side = 0; side < 2; ++side) {
-      const int on = static_cast<int>(side);
-      auto smooth = edge_of(means[j], on, searches[j][side]);
-      auto own = smooth ? edge_of(profiles[j], on, searches[j][side]) : std::nullopt;
+      auto& smooth = measured.smooth[side][j];
+      auto own = smooth ? edge_of(profiles[j], static_cast<int>(side), searches[j][side]) : std::nullopt;
       if (light.row > 0.0F && light.ground[side] > 0.0F) {
-        const double mixed_px = std::hypot(kMixedPx, map.scale_u);
-        const double shift =
-            mixing_shift(static_cast<double>(light.row / light.ground[side])) * mixed_px / spacing;
+        const double shift = mixing_shift(static_cast<double>(light.row / light.ground[side])) * mixed_px /
+                             cuts[j].spacing;
         if (smooth) *smooth += shift;
         if (own) *own += shift;
       }
-      measured.smooth[side].push_back(smooth);
       measured.own[side].push_back(own);
       if (smooth && own) residuals[side].push_back(*own - *smooth);
     }
@@ -330,12 +353,12 @@ Measured measure(const GreenMap& map, const CommonModel& model, const RowLine& r
   return measured;
 }
 
-void write_samples(const Measured& measured, const CommonModel& model, double px_floor, RowLine& row) {
+void write_samples(const Measured& measured, const std::vector<Cut>& cuts, double px_floor, RowLine& row) {
   constexpr double kOutlierSigmas = 3.5;
   int edges = 0;
   for (std::size_t j = 0; j < row.samples.size(); ++j) {
     RowSample& sample = row.samples[j];
-    const Cut cut = model.at(sample.centre_px.y());
+    const Cut& cut = cuts[j];
     const double model_u = cut.centre + row.index * cut.spacing;
     const auto &left = measured.smooth[0][j], &right = measured.smooth[1][j];
     if (left && right) {
@@ -417,24 +440,47 @@ Cut CommonModel::at(double v) const {
   return {v, field_.u_at(v, centre_k_) + shift * spacing - centre_k_ * spacing * stretch, spacing * stretch};
 }
 
-void shape_rows(const GreenMap& map, const CommonModel& model, std::vector<RowLine>& rows) {
+SummedMap::SummedMap(GreenMap map) : map_(std::move(map)) {
+  constexpr int kTogether = 4;  // rows: one sum waits for the addition before
+  const auto width = static_cast<std::size_t>(map_.width), stride = width + 2;
+  sums_.resize(stride * static_cast<std::size_t>(map_.height));
+  for (int top = 0; top < map_.height; top += kTogether) {
+    std::array<const float*, kTogether> in{};
+    std::array<float*, kTogether> out{};
+    std::array<float, kTogether> sum{};
+    for (int i = 0; i < kTogether; ++i) {
+      const int row = std::min(top + i, map_.height - 1);
+      in[static_cast<std::size_t>(i)] = map_.row(row);
+      out[static_cast<std::size_t>(i)] = sums_.data() + static_cast<std::size_t>(row) * stride;
+    }
+    for (std::size_t u = 0; u < width; ++u)
+      for (std::size_t i = 0; i < kTogether; ++i) out[i][u + 1] = sum[i] += in[i][u];
+    for (std::size_t i = 0; i < kTogether; ++i) out[i][width + 1] = sum[i];
+  }
+}
+
+void shape_rows(const SummedMap& summed, const CommonModel& model, std::vector<RowLine>& rows) {
+  const GreenMap& map = summed.map();
   const double px_floor =
       0.25 * map.scale_u;  // a quarter of a map's pixel: what a step's place is worth after area averaging
   const double v_middle = 0.5 * (map.height * map.scale_v - 1.0);
-  const std::vector<float> sums = running_sums(map);
   const float barest = barest_ground(map, model.field());
+  const std::vector<Cut> map_cuts = cuts_of(map, model);
   std::vector<Profile> profiles;
+  std::vector<Cut> cuts;
   for (RowLine& row : rows) {
     if (row.samples.size() < 2) continue;
     const double step = row.samples[1].centre_px.y() - row.samples[0].centre_px.y();
     profiles.clear();
+    cuts.clear();
     for (const RowSample& sample : row.samples) {
       const double v = sample.centre_px.y();
-      profiles.push_back(sample_profile(map, sums, model, row.index, v - 0.5 * step, v + 0.499 * step));
+      profiles.push_back(sample_profile(summed, map_cuts, row.index, v - 0.5 * step, v + 0.499 * step));
+      cuts.push_back(model.at(v));
     }
-    const Measured measured = measure(map, model, row, profiles, barest);
+    const Measured measured = measure(map, cuts, row.index, profiles, barest);
     row.half_width_px = half_width_at(measured, model, v_middle, px_floor, row);
-    write_samples(measured, model, px_floor, row);
+    write_samples(measured, cuts, px_floor, row);
   }
 }
 

@@ -31,9 +31,23 @@ class CommonModel {
   std::vector<Departure> departures_;
 };
 
+/// A map with the running sum of each of its rows, which takes longer than a look at the rows through it.
+class SummedMap {
+ public:
+  explicit SummedMap(GreenMap map);
+  const GreenMap& map() const { return map_; }
+  /// running(row)[u] is the sum over [0, u) for 0 <= u <= width, and once more at width + 1, so that places
+  /// between need no test.
+  const float* running(int row) const { return sums_.data() + static_cast<std::ptrdiff_t>(row) * (map_.width + 2); }
+
+ private:
+  GreenMap map_;
+  std::vector<float> sums_;
+};
+
 /// Gives the rows their own centres and the edges of their visible green, from a map that may be finer than
 /// the search's. `rows` come with samples at the model's places; samples that show no row of their own keep
 /// them.
-void shape_rows(const GreenMap& map, const CommonModel& model, std::vector<RowLine>& rows);
+void shape_rows(const SummedMap& map, const CommonModel& model, std::vector<RowLine>& rows);
 
 }  // namespace furrow::rows
