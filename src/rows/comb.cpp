@@ -217,7 +217,9 @@ Response respond(const Strips& strips, const PlanarField& field, double tooth) {
 
 double comb_score(const Response& response, const PlanarField& field, const Emphasis& emphasis) {
   return mean_over_rows(response.v, response.width, field, emphasis, [&](std::size_t j, float) {
-    return [&response, j](float u) { return response.at(j, u); };
+    return [line = response.line(j), last = static_cast<float>(response.width - 1)](float u) {
+      return Response::between(line, last, u);
+    };
   });
 }
 

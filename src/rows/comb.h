@@ -42,12 +42,18 @@ struct Response {
   std::vector<float> v;
   std::vector<float> value;  ///< value[j * width + u]
 
+  const float* line(std::size_t strip) const {
+    return value.data() + strip * static_cast<std::size_t>(width);
+  }
   /// Nothing outside the picture.
   float at(std::size_t strip, float u) const {
-    if (!(u >= 0.0F) || u >= static_cast<float>(width - 1)) return 0.0F;
+    return between(line(strip), static_cast<float>(width - 1), u);
+  }
+  /// The same of a strip's line; `last` is its last place, px.
+  static float between(const float* line, float last, float u) {
+    if (!(u >= 0.0F) || u >= last) return 0.0F;
     const int i = static_cast<int>(u);
-    const float* line = value.data() + strip * static_cast<std::size_t>(width) + i;
-    return line[0] + (u - static_cast<float>(i)) * (line[1] - line[0]);
+    return line[i] + (u - static_cast<float>(i)) * (line[i + 1] - line[i]);
   }
 };
 
