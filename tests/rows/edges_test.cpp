@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "furrow/base/random.h"
@@ -134,6 +135,27 @@ TEST(Tops, LightTellsTheirSpacingAndFarEdges) {
 TEST(Tops, EvenLeavesTellNothing) {
   EXPECT_FALSE(find_tops(low_view(1.0, 0.2, 0.0), CommonModel(field_of_map()), 0.0, rows_of(1.0, 0.2)));
   EXPECT_FALSE(find_tops(GreenMap{}, CommonModel(field_of_map()), 0.0, rows_of(1.0, 0.2)));
+  GreenMap bare = low_view(1.0, 0.2, 0.5);
+  std::fill(bare.value.begin(), bare.value.end(), 0.0F);
+  EXPECT_FALSE(find_tops(bare, CommonModel(field_of_map()), 0.0, rows_of(1.0, 0.2)));
+}
+
+// Four rows are summed at once; heights are seldom a multiple.
+TEST(Rows, SummedMapSumsEveryRow) {
+  for (const int height : {1, 3, 4, 6}) {
+    GreenMap map;
+    map.width = 5, map.height = height;
+    for (int i = 0; i < map.width * height; ++i) map.value.push_back(static_cast<float>(i));
+    const SummedMap summed(map);
+    for (int row = 0; row < height; ++row) {
+      float sum = 0.0F;
+      for (int u = 0; u <= map.width; ++u) {
+        EXPECT_EQ(summed.running(row)[u], sum) << height << " " << row << " " << u;
+        if (u < map.width) sum += map.row(row)[u];
+      }
+      EXPECT_EQ(summed.running(row)[map.width + 1], sum);
+    }
+  }
 }
 
 // Rows that leave a low picture above its middle row came out of order by where they leave it.
