@@ -28,7 +28,8 @@ Status OverlayVideo::add(OverlayPicture picture) {
   constexpr std::size_t kMost = 4, kLarge = std::size_t{64} << 20U;  // large pictures wait one at a time
   const std::size_t most = picture.picture.data.size() > kLarge ? 1 : kMost;
   std::unique_lock lock(mutex_);
-  has_room_.wait(lock, [&] { return waiting_.size() < most || !status_.ok(); });
+  has_room_.wait(lock, [&] { return waiting_.size() < most || !status_.ok() || failure_; });
+  if (failure_) std::rethrow_exception(failure_);
   if (!status_.ok()) return status_;
   waiting_.push_back(std::move(picture));
   has_picture_.notify_one();
@@ -37,11 +38,23 @@ Status OverlayVideo::add(OverlayPicture picture) {
 
 Status OverlayVideo::finish() {
   close();
+  if (failure_) std::rethrow_exception(failure_);
   FURROW_DO(status_);
   return writer_.finish();
 }
 
+/// An exception that left a thread would end the program without a word, its temporary files left behind.
 void OverlayVideo::draw_all() {
+  try {
+    draw_until_closed();
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    failure_ = std::current_exception();
+    has_room_.notify_one();
+  }
+}
+
+void OverlayVideo::draw_until_closed() {
   std::unique_lock lock(mutex_);
   while (true) {
     has_picture_.wait(lock, [this] { return !waiting_.empty() || is_closed_; });

@@ -1,6 +1,7 @@
 #pragma once
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <mutex>
 #include <thread>
 
@@ -27,13 +28,15 @@ class OverlayVideo {
   /// Without finish() the video is given up.
   ~OverlayVideo();
 
-  /// Waits while some pictures are still to be drawn. Errors: those of writing, from any picture before.
+  /// Waits while some pictures are still to be drawn. Errors: those of writing, from any picture before. What
+  /// drawing threw (out of memory) is thrown on.
   Status add(OverlayPicture picture);
-  /// Draws what is left. Errors: those of writing.
+  /// Draws what is left. Errors: those of writing. Throws as add() does.
   Status finish();
 
  private:
   void draw_all();
+  void draw_until_closed();
   void close();
 
   image::VideoWriter writer_;
@@ -42,6 +45,7 @@ class OverlayVideo {
   std::condition_variable has_picture_, has_room_;
   std::deque<OverlayPicture> waiting_;
   Status status_ = Done{};
+  std::exception_ptr failure_;
   bool is_closed_ = false;
   std::thread drawer_;
 };

@@ -10,6 +10,7 @@
 #include "furrow/base/file.h"
 #include "furrow/geom/angles.h"
 #include "furrow/geom/attitude.h"
+#include "project/overlay_video.h"
 
 namespace furrow::project {
 namespace {
@@ -379,6 +380,22 @@ TEST(FollowJob, ARowAloneGivesMetresByItsHalfWidth) {
   const follow::Following& last = result.pictures.back().following;
   ASSERT_TRUE(last.offset.has_value()) << last.hold_reason;
   EXPECT_NEAR(last.offset->value, 0.25, 0.05);
+}
+
+// An exception that leaves a thread ends the program.
+TEST(FollowJob, WhatDrawingThrowsReachesTheCaller) {
+  const fs::path folder = fs::path(::testing::TempDir()) / "furrow_overlay_throws";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  auto writer = image::VideoWriter::create(folder / "overlay.mp4", 64, 48, 25.0);
+  ASSERT_TRUE(writer.ok());
+  const follow::FollowerOptions options;
+  {
+    OverlayVideo video(std::move(*writer), options);
+    EXPECT_TRUE(video.add({image::make_image(64, 48, 1), {}, {}}).ok());  // no picture that can be drawn on
+    EXPECT_THROW({ [[maybe_unused]] const Status status = video.finish(); }, base::CheckFailure);
+  }
+  EXPECT_TRUE(fs::is_empty(folder));
 }
 
 TEST(FollowJob, RowsThatOverlapAreNamed) {
