@@ -140,8 +140,7 @@ void add_plan(CLI::App& app, Action& action) {
   command->add_option("--project", a->project, "project.yaml to take camera and rows from");
   command->add_option("--focal-px", a->lens.focal_px, "focal length, px")->check(above_zero());
   command->add_option("--focal-mm", a->lens.focal_mm, "focal length, mm")->check(above_zero());
-  command->add_option("--sensor-mm", a->lens.sensor_mm, "width of the sensor, mm")
-      ->check(above_zero());
+  command->add_option("--sensor-mm", a->lens.sensor_mm, "width of the sensor, mm")->check(above_zero());
   command->add_option("--size", a->size, "width and height of the picture, px")
       ->expected(2)
       ->check(above_zero());

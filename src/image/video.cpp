@@ -256,7 +256,8 @@ Result<std::vector<fs::path>> picture_files(const std::vector<fs::path>& named) 
     } else if (is_pattern(one)) {
       if (has_wildcard(one.parent_path()))
         return Error{"no_match", one.string(), "a pattern in the name of a folder",
-                     "* and ? in the last part of a name only", "Without quotes the shell finds the folders."};
+                     "* and ? in the last part of a name only",
+                     "Without quotes the shell finds the folders."};
       FURROW_TRY(found, base::expand_pattern(one.string(), "."));
     }
     files.insert(files.end(), found.begin(), found.end());
