@@ -22,7 +22,8 @@ std::ptrdiff_t count_left_out(const View& view) {
 
 /// Adds a view, or another reason to look at it.
 void add(std::size_t view, const std::string& why, std::vector<TellingView>& out) {
-  const auto same = std::find_if(out.begin(), out.end(), [&](const TellingView& one) { return one.view == view; });
+  const auto same =
+      std::find_if(out.begin(), out.end(), [&](const TellingView& one) { return one.view == view; });
   if (same != out.end()) {
     same->why += ", " + why;
   } else {
@@ -110,8 +111,8 @@ void set_axes(const Calibration& calibration, const View& view, TellingView& out
   const auto along = [&](int step_x, int step_y) {
     std::vector<Eigen::Vector2d> points;
     for (int i = 0; i < kCorners; ++i) {
-      const auto px = camera::project(calibration.camera,
-                                      view.cam_from_board * warped_corner(board, warp_m, i * step_x, i * step_y));
+      const auto px = camera::project(
+          calibration.camera, view.cam_from_board * warped_corner(board, warp_m, i * step_x, i * step_y));
       if (!px) break;
       points.push_back(*px);
     }
@@ -125,7 +126,8 @@ double typical_residual_px(const std::vector<View>& views) {
   std::vector<double> lengths;
   for (const View& view : views) {
     for (std::size_t c = 0; view.used && c < view.residual_px.size(); ++c) {
-      if (!is_left_out(view, c) && view.residual_px[c].allFinite()) lengths.push_back(view.residual_px[c].norm());
+      if (!is_left_out(view, c) && view.residual_px[c].allFinite())
+        lengths.push_back(view.residual_px[c].norm());
     }
   }
   if (lengths.empty()) return kNan;
@@ -150,7 +152,8 @@ double typical_spacing_px(const Calibration& calibration, const std::vector<Tell
 
 }  // namespace
 
-TellingViews telling_views(const Calibration& calibration, const std::vector<target::BoardDetection>& detections) {
+TellingViews telling_views(const Calibration& calibration,
+                           const std::vector<target::BoardDetection>& detections) {
   TellingViews out;
   add_used(calibration.views, out.views);
   add_not_used(calibration, detections, out.views);

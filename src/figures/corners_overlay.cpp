@@ -55,10 +55,12 @@ Frame photograph_frame(Drawing& drawing, const calib::TellingView& view) {
   const double shape = static_cast<double>(view.height_px) / view.width_px;
   const double width = std::min(widest, kTallestShare * drawing.width_pt / shape);
   drawing.height_pt = above + width * shape + below;
-  return draw_axes(drawing, {kMarginPt, kMarginPt}, {right - (widest - width), drawing.height_pt}, x, flipped(y), Grid::none);
+  return draw_axes(drawing, {kMarginPt, kMarginPt}, {right - (widest - width), drawing.height_pt}, x,
+                   flipped(y), Grid::none);
 }
 
-void draw_rimmed(Drawing& drawing, const Frame& frame, const std::vector<Point>& points, Colour colour, double width_pt) {
+void draw_rimmed(Drawing& drawing, const Frame& frame, const std::vector<Point>& points, Colour colour,
+                 double width_pt) {
   for (const auto& part : clip(points, frame.top_left, frame.bottom_right)) {
     drawing.items.push_back(Stroke{part, kPaleRim, width_pt + 1.4});
     drawing.items.push_back(Stroke{part, kDarkRim, width_pt + 0.7});
@@ -70,8 +72,8 @@ bool inside(const Frame& frame, const Point& at) {
   return (at.array() >= frame.top_left.array()).all() && (at.array() <= frame.bottom_right.array()).all();
 }
 
-/// One axis of the board; its name stands at its end, outside the board, opposite to where the other axis runs; where
-/// the picture ends there, farther along its own.
+/// One axis of the board; its name stands at its end, outside the board, opposite to where the other axis
+/// runs; where the picture ends there, farther along its own.
 void draw_board_axis(Drawing& drawing, const Frame& frame, const std::vector<Eigen::Vector2d>& axis_px,
                      const std::vector<Eigen::Vector2d>& other_px, const std::string& name) {
   std::vector<Point> points;
@@ -82,7 +84,8 @@ void draw_board_axis(Drawing& drawing, const Frame& frame, const std::vector<Eig
   const Point other = frame.map(other_px.back().x(), other_px.back().y()) - points.front();
   const Point own = points.back() - points.front(), room(kSizePt, kSizePt);
   Point at = points.back() - 1.4 * kSizePt * other.normalized();
-  if (!inside(frame, at - room) || !inside(frame, at + room)) at = points.back() + 1.4 * kSizePt * own.normalized();
+  if (!inside(frame, at - room) || !inside(frame, at + room))
+    at = points.back() + 1.4 * kSizePt * own.normalized();
   if (inside(frame, at - room) && inside(frame, at + room))
     add_label(drawing, at, name, kSizePt, kBlack, kBoardAxes);
 }
@@ -113,7 +116,8 @@ Band ring(const Point& at, double radius_pt, double pen_pt, Colour colour) {
 
 void draw_mark(Drawing& drawing, bool is_cross, const Point& at, double size_pt, Colour colour) {
   const double half = 0.5 * size_pt, pen_pt = 0.5 + 0.08 * size_pt;
-  for (const auto& [ink, width] : {std::pair{kPaleRim, pen_pt + 1.4}, std::pair{kDarkRim, pen_pt + 0.7}, std::pair{colour, pen_pt}}) {
+  for (const auto& [ink, width] :
+       {std::pair{kPaleRim, pen_pt + 1.4}, std::pair{kDarkRim, pen_pt + 0.7}, std::pair{colour, pen_pt}}) {
     if (is_cross) {
       drawing.items.push_back(Stroke{{at + Point(-half, -half), at + Point(half, half)}, ink, width});
       drawing.items.push_back(Stroke{{at + Point(-half, half), at + Point(half, -half)}, ink, width});
@@ -135,7 +139,8 @@ bool is_left_out(const calib::View& view, std::size_t corner) {
   return !view.left_out.empty() && view.left_out[corner];
 }
 
-void draw_corner(Drawing& drawing, const Frame& frame, const Marks& marks, const calib::View& view, std::size_t c) {
+void draw_corner(Drawing& drawing, const Frame& frame, const Marks& marks, const calib::View& view,
+                 std::size_t c) {
   const Eigen::Vector2d found = view.observed_px[c], residual = view.residual_px[c];
   const Point at = frame.map(found.x(), found.y());
   if (!found.allFinite() || !inside(frame, at)) return;
@@ -153,9 +158,11 @@ void draw_corner(Drawing& drawing, const Frame& frame, const Marks& marks, const
 
 base::CsvTable corners_table(const calib::View& view) {
   base::CsvTable table;
-  table.columns = {"corner_id", "u_px", "v_px", "projected_u_px", "projected_v_px", "residual_u_px", "residual_v_px", "left_out"};
+  table.columns = {"corner_id",      "u_px",          "v_px",          "projected_u_px",
+                   "projected_v_px", "residual_u_px", "residual_v_px", "left_out"};
   for (std::size_t c = 0; c < view.residual_px.size(); ++c) {
-    const Eigen::Vector2d found = view.observed_px[c], residual = view.residual_px[c], projected = found - residual;
+    const Eigen::Vector2d found = view.observed_px[c], residual = view.residual_px[c],
+                          projected = found - residual;
     const int id = view.corner_ids.empty() ? static_cast<int>(c) : view.corner_ids[c];
     table.rows.push_back({std::to_string(id), cell(found.x(), 4), cell(found.y(), 4), cell(projected.x(), 4),
                           cell(projected.y(), 4), cell(residual.x(), 4), cell(residual.y(), 4),
@@ -164,15 +171,18 @@ base::CsvTable corners_table(const calib::View& view) {
   return table;
 }
 
-std::vector<LegendEntry> legend(const calib::View& view, const calib::TellingView& shown, const Marks& marks) {
+std::vector<LegendEntry> legend(const calib::View& view, const calib::TellingView& shown,
+                                const Marks& marks) {
   if (view.residual_px.empty()) return {};
-  LegendEntry found{"corner as found", viridis(0.5)}, projected{"as projected", kMidGrey}, left_out{"left out as an outlier", kLeftOut};
+  LegendEntry found{"corner as found", viridis(0.5)}, projected{"as projected", kMidGrey},
+      left_out{"left out as an outlier", kLeftOut};
   found.marker = Marker::ring;
   projected.marker = Marker::plus;
   left_out.marker = Marker::cross;
   found.marker_pt = projected.marker_pt = left_out.marker_pt = 5.5;
-  const LegendEntry line{"found minus projected, " + tick_text(marks.enlarged, marks.decimals) + " times enlarged",
-                         viridis(0.5), 0.9};
+  const LegendEntry line{
+      "found minus projected, " + tick_text(marks.enlarged, marks.decimals) + " times enlarged", viridis(0.5),
+      0.9};
   std::vector<LegendEntry> entries{found, projected, line};
   if (std::count(view.left_out.begin(), view.left_out.end(), true) > 0) entries.push_back(left_out);
   if (!shown.x_axis_px.empty()) entries.push_back({"the board's first corner, x and y", kBoardAxes, 1.5});
@@ -182,27 +192,34 @@ std::vector<LegendEntry> legend(const calib::View& view, const calib::TellingVie
 std::string what_is_shown(const calib::View& view, const calib::TellingView& shown) {
   const std::string first = "View " + std::to_string(shown.view + 1) + ", " + view.image + ": " + shown.why;
   if (!view.used) return first + ": " + view.reason;
-  const auto left_out = static_cast<std::size_t>(std::count(view.left_out.begin(), view.left_out.end(), true));
+  const auto left_out =
+      static_cast<std::size_t>(std::count(view.left_out.begin(), view.left_out.end(), true));
   return first + "; RMS " + base::format_fixed(view.rms_px, 3) + " px over " +
          count_of(view.observed_px.size() - left_out, "corner") +
          (left_out == 0 ? "" : ", " + std::to_string(left_out) + " left out");
 }
 
-std::string caption(const calib::View& view, const calib::TellingView& shown, const Camera& camera, const Marks& marks) {
+std::string caption(const calib::View& view, const calib::TellingView& shown, const Camera& camera,
+                    const Marks& marks) {
   std::string text = what_is_shown(view, shown) + ".";
   if (shown.width_px != camera.width || shown.height_px != camera.height)
     text += " The part of the picture around the board.";
   if (view.residual_px.empty()) return text;
-  return text + " Rings are the corners as found, plus signs where the solved camera puts them; lines lead from a ring the way it lies off its plus sign, " +
-         tick_text(marks.enlarged, marks.decimals) + " times enlarged as in the other views. Of all used corners 95 % lie within " +
+  return text +
+         " Rings are the corners as found, plus signs where the solved camera puts them; lines lead from a "
+         "ring the way it lies off its plus sign, " +
+         tick_text(marks.enlarged, marks.decimals) +
+         " times enlarged as in the other views. Of all used corners 95 % lie within " +
          cell(marks.top_px, 3) + " px, the end of the colours.";
 }
 
 }  // namespace
 
 Result<Figure> corners_overlay(const Image& picture, const calib::Calibration& calibration,
-                               const calib::TellingViews& views, std::size_t which, const FigureOptions& options) {
-  check(which < views.views.size() && views.views[which].view < calibration.views.size(), "corners_overlay: a view that is not there");
+                               const calib::TellingViews& views, std::size_t which,
+                               const FigureOptions& options) {
+  check(which < views.views.size() && views.views[which].view < calibration.views.size(),
+        "corners_overlay: a view that is not there");
   const calib::TellingView& shown = views.views[which];
   const calib::View& view = calibration.views[shown.view];
   const std::string name = "corners_view_" + std::to_string(shown.view + 1);
@@ -220,13 +237,15 @@ Result<Figure> corners_overlay(const Image& picture, const calib::Calibration& c
   drawing.height_pt += kMarginPt;
   std::string title = what_is_shown(view, shown);
   if (text_width_pt(title, kLegendTextPt, true) > inner) title = title.substr(0, title.rfind(": "));
-  drawing.items.push_back(Text{{kMarginPt, drawing.height_pt + kLegendTextPt}, title, kLegendTextPt, kInk, Align::start, true});
+  drawing.items.push_back(
+      Text{{kMarginPt, drawing.height_pt + kLegendTextPt}, title, kLegendTextPt, kInk, Align::start, true});
   drawing.height_pt += 1.7 * kLegendTextPt;
   const auto entries = legend(view, shown, marks);
   if (!entries.empty()) {
     drawing.height_pt += draw_legend(drawing, {kMarginPt, drawing.height_pt}, inner, entries);
-    drawing.height_pt += draw_colour_bar(drawing, {frame.top_left.x(), drawing.height_pt}, size.x() - kTickTextPt,
-                                         axis_between("from projected to found / px; brighter is not told apart", 0.0, marks.top_px, 6));
+    drawing.height_pt += draw_colour_bar(
+        drawing, {frame.top_left.x(), drawing.height_pt}, size.x() - kTickTextPt,
+        axis_between("from projected to found / px; brighter is not told apart", 0.0, marks.top_px, 6));
   }
   drawing.height_pt += kMarginPt;
   return finish(name, caption(view, shown, calibration.camera, marks), drawing, corners_table(view), options);
