@@ -1,6 +1,5 @@
 #include <cmath>
 
-#include "farm.h"
 #include "furrow/altitude/shot_height.h"
 
 namespace furrow::altitude {
@@ -36,11 +35,11 @@ Result<RowOffset> offset_from_rows(const rows::RowLines& lines, const Camera& ca
                                    const Estimate& height_above_canopy_m) {
   rows::RowLines seen = lines;
   std::erase_if(seen.rows, [](const rows::RowLine& row) { return !row.seen; });
-  // The closed form would take numbers that no farm can have.
-  if (const auto farm = complete_farm(field); field.row_spacing_m.usable() && !farm.ok()) return farm.error();
-  if (field.row_spacing_m.usable() && seen.rows.size() > 1) {
+  if (field.row_spacing_m.usable()) {
     const auto refined = refine_shot(seen, camera, field, prior);
     if (refined.ok()) return of(*refined, height_above_canopy_m);
+    // The closed form would take numbers that no farm can have.
+    if (refined.error().code == "bad_field") return refined.error();
   }
   FURROW_TRY(const RowsOnUnitPlane directions, rows_on_unit_plane(seen, camera));
   FURROW_TRY(const SpacingHeight closed, from_any_scale(directions, field, prior, height_above_canopy_m));

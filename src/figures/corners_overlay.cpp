@@ -61,15 +61,12 @@ Frame photograph_frame(Drawing& drawing, const calib::TellingView& view) {
 
 void draw_rimmed(Drawing& drawing, const Frame& frame, const std::vector<Point>& points, Colour colour,
                  double width_pt) {
-  for (const auto& part : clip(points, frame.top_left, frame.bottom_right)) {
-    drawing.items.push_back(Stroke{part, kPaleRim, width_pt + 1.4});
-    drawing.items.push_back(Stroke{part, kDarkRim, width_pt + 0.7});
-    drawing.items.push_back(Stroke{part, colour, width_pt});
-  }
+  add_rimmed(drawing, points, frame.top_left, frame.bottom_right,
+             {{kPaleRim, width_pt + 1.4}, {kDarkRim, width_pt + 0.7}, {colour, width_pt}});
 }
 
 bool inside(const Frame& frame, const Point& at) {
-  return (at.array() >= frame.top_left.array()).all() && (at.array() <= frame.bottom_right.array()).all();
+  return is_within(at, frame.top_left, frame.bottom_right);
 }
 
 /// One axis of the board; its name stands at its end, outside the board, opposite to where the other axis

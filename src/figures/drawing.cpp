@@ -86,6 +86,17 @@ std::vector<std::vector<Point>> clip(const std::vector<Point>& points, const Poi
   return parts;
 }
 
+bool is_within(const Point& at, const Point& low, const Point& high) {
+  return (at.array() >= low.array()).all() && (at.array() <= high.array()).all();
+}
+
+void add_rimmed(Drawing& drawing, const std::vector<Point>& points, const Point& low, const Point& high,
+                const std::vector<Pen>& pens, const Dash& dash) {
+  for (const auto& part : clip(points, low, high)) {
+    for (const Pen& pen : pens) drawing.items.push_back(Stroke{part, pen.colour, pen.width_pt, dash});
+  }
+}
+
 void add_rectangle(Drawing& drawing, const Point& top_left, const Point& bottom_right, Colour colour) {
   drawing.items.push_back(Fill{
       {top_left, {bottom_right.x(), top_left.y()}, bottom_right, {top_left.x(), bottom_right.y()}}, colour});

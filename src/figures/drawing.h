@@ -92,6 +92,18 @@ std::vector<std::vector<Point>> dashes(const Stroke& stroke);
 /// The part of a polyline inside [low, high], cut at the border (Liang and Barsky 1984).
 std::vector<std::vector<Point>> clip(const std::vector<Point>& points, const Point& low, const Point& high);
 
+/// Whether the point lies inside [low, high], the border included.
+bool is_within(const Point& at, const Point& low, const Point& high);
+
+struct Pen {
+  Colour colour = kInk;
+  double width_pt = 1.0;
+};
+
+/// The part of a line inside [low, high], drawn with each pen in turn: rims, which come first, are wider.
+void add_rimmed(Drawing& drawing, const std::vector<Point>& points, const Point& low, const Point& high,
+                const std::vector<Pen>& pens, const Dash& dash = {});
+
 enum class Marker { none, circle, square, diamond, triangle, plus, cross, ring };
 
 /// A marker of about `size_pt` across, same visual weight for all shapes.

@@ -31,10 +31,8 @@ struct Place {
 
 void draw_rimmed(Drawing& drawing, const Place& place, const std::vector<Point>& points, Colour colour,
                  double width_pt, const Dash& dash) {
-  for (const auto& part : clip(points, place.top_left, place.bottom_right)) {
-    drawing.items.push_back(Stroke{part, kRim, width_pt + 1.0, dash});
-    drawing.items.push_back(Stroke{part, colour, width_pt, dash});
-  }
+  add_rimmed(drawing, points, place.top_left, place.bottom_right,
+             {{kRim, width_pt + 1.0}, {colour, width_pt}}, dash);
 }
 
 std::vector<Point> centre_line(const Place& place, const rows::RowLine& row) {
@@ -94,8 +92,7 @@ void draw_indices(Drawing& drawing, const Place& place, std::vector<rows::RowLin
 }
 
 bool inside(const Place& place, const Eigen::Vector2d& px) {
-  const Point at = place.map(px);
-  return (at.array() >= place.top_left.array()).all() && (at.array() <= place.bottom_right.array()).all();
+  return is_within(place.map(px), place.top_left, place.bottom_right);
 }
 
 /// A ring at the vanishing point with thin lines towards it, or an arrow at the border that points there.
