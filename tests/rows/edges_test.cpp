@@ -89,8 +89,8 @@ GreenMap low_view(double spacing, double half_width, double contrast) {
       const double phase = k - half_width - std::floor(k - half_width);
       const double light = k < half_width ? 1.0 : std::min(1.0, phase / (1.0 - 2.0 * half_width));
       map.value.push_back(soil ? 0.0F : 0.3F);
-      map.light.push_back(static_cast<std::uint16_t>(
-          soil ? 500 : 250.0 * std::exp(contrast * (light - 0.5) + random.normal(0.0, 0.3))));
+      const double leaf_light = 250.0 * std::exp(contrast * (light - 0.5) + random.normal(0.0, 0.3));
+      map.light.push_back(static_cast<std::uint16_t>(soil ? 500.0 : std::min(3.0 * 255.0, leaf_light)));
     }
   }
   return map;
