@@ -13,7 +13,7 @@ namespace {
 
 using testing::DrawnField;
 
-constexpr int kMargin = 150;  // px above and below, so that the tilted picture shows the field everywhere
+constexpr int kMargin = 200;  // px above and below, so that the tilted picture shows the field everywhere
 
 /// v of the level field, drawn with a margin, of a place in the tilted picture.
 double level_v(const Image& tilted, double slope, double u, double v) {
