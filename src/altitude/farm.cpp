@@ -115,11 +115,9 @@ Estimate outline_rise(const FieldKnowledge& field, const CanopyShape& shape) {
   // The mean height of half an ellipse of depth r is pi/4 r; of a box it is r, of a gable r/2 (eq. 8.8).
   const double over_mean_m = (1.0 - geom::kPi / 4.0) * shape.rounding_m;
   const double by_shape_m = 0.5 * kUniformSigma * shape.rounding_m;
-  const double w = shape.half_width_m;
-  const double sigma_m =
-      std::min(kFirmOutlineRiseSigmaPerHalfWidth * w + kOutlineRiseSigmaPerSoftness * shape.softness_m,
-               kMostOutlineRiseSigmaPerHalfWidth * w);
-  return {kOutlineRisePerHalfWidth * w + over_mean_m, std::hypot(sigma_m, by_shape_m), 0};
+  const double ragged_m = kOutlineRisePerLeaf * leaf_reach_m(shape.half_width_m);
+  const double sigma_m = ragged_rise_sigma_m(shape.half_width_m, shape.softness_m);
+  return {ragged_m + over_mean_m, std::hypot(sigma_m, by_shape_m), 0};
 }
 
 Estimate log_rounding(const FieldKnowledge& field, double half_width_m) {

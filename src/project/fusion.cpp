@@ -70,7 +70,8 @@ std::optional<double> top_sigma_m(const std::vector<VisionHeight>& vision,
   }
   if (!sigmas.empty() && !field.outline_rise_m.usable()) return stats::median(sigmas);
   if (!field.half_width_m.usable()) return std::nullopt;
-  return altitude::kOutlineRiseSigmaPerHalfWidth * field.half_width_m.value;
+  const double w = field.half_width_m.value;
+  return altitude::ragged_rise_sigma_m(w, altitude::kSoftnessPerHalfWidth * w);
 }
 
 }  // namespace

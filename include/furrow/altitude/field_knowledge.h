@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <limits>
 
 #include "furrow/stats/estimate.h"
@@ -23,8 +24,8 @@ struct FieldKnowledge {
   Estimate softness_m;
   /// How far the outline's highest point lies above the top that row_height_m names: a picture shows the
   /// outline. 0 for smooth boxes, near 0 where row_height_m names the highest leaves, most where it names the
-  /// mean of the leaves first hit from above. Unusable: what the rounding makes and kOutlineRisePerHalfWidth,
-  /// with a sigma by the softness.
+  /// mean of the leaves first hit from above. Unusable: what the rounding makes and kOutlineRisePerLeaf, with
+  /// a sigma by the softness.
   Estimate outline_rise_m;
   /// One-sigma of a row's axis about its nominal place, as a whole along the part a picture shows. NaN:
   /// kPlantingSigmaPerSpacing.
@@ -49,20 +50,29 @@ inline constexpr double kLogRoundingSigma = 0.7;
 inline constexpr double kSoftnessPerHalfWidth = 0.05;
 inline constexpr double kLogSoftnessSigma = 1.2;
 
-/// Their highest points lay over the named top by 0.08 half widths where that is the highest leaf, 0.24 in
-/// Furrow's renders, 0.55 where it is the mean of the leaves first hit from above (section 8). Of the middle
-/// one, which is half a width deep, the rounding makes (1 - pi/4) 0.5 = 0.11 and this is the rest, that of
-/// ragged leaves.
-inline constexpr double kOutlineRisePerHalfWidth = 0.12;
-/// One-sigma of that: firm outlines rise by 0 (smooth walls) to 0.17 half widths (Furrow's ragged but opaque
+/// Outlines are ragged by the reach of a leaf, which does not grow with the row: vine leaves are 10 to 15 cm
+/// across. A row that is narrower is as wide as its leaves reach.
+inline constexpr double kLeafReach_m = 0.12;
+inline double leaf_reach_m(double half_width_m) {
+  return std::min(half_width_m, kLeafReach_m);
+}
+/// Highest points of outlines lay over the named top by 0.4 leaves (0.05 m) where that is the highest leaf,
+/// 1.0 in Furrow's renders, 2.8 where it is the mean of the leaves first hit from above (section 8). Of the
+/// middle one, which is half a width deep, the rounding makes (1 - pi/4) 0.3 m = 0.06 m and this is the rest,
+/// that of ragged leaves.
+inline constexpr double kOutlineRisePerLeaf = 0.6;
+/// One-sigma of that: firm outlines rise by 0 (smooth walls) to 0.8 leaves (Furrow's ragged but opaque
 /// renders); where leaves thin out, the highest one and the mean of those first hit lie 5 to 10 times that
-/// length apart; never more than a quarter of the half width.
-inline constexpr double kFirmOutlineRiseSigmaPerHalfWidth = 0.08;
+/// length apart; never more than a leaf and a quarter.
+inline constexpr double kFirmOutlineRiseSigmaPerLeaf = 0.4;
 inline constexpr double kOutlineRiseSigmaPerSoftness = 2.5;
-inline constexpr double kMostOutlineRiseSigmaPerHalfWidth = 0.25;
-/// The same of a canopy of which no picture tells how it thins out.
-inline constexpr double kOutlineRiseSigmaPerHalfWidth =
-    kFirmOutlineRiseSigmaPerHalfWidth + kOutlineRiseSigmaPerSoftness * kSoftnessPerHalfWidth;
+inline constexpr double kMostOutlineRiseSigmaPerLeaf = 1.25;
+/// One-sigma of the rise of ragged leaves over the top that words name (eq. 8.8).
+inline double ragged_rise_sigma_m(double half_width_m, double softness_m) {
+  const double leaf_m = leaf_reach_m(half_width_m);
+  return std::min(kFirmOutlineRiseSigmaPerLeaf * leaf_m + kOutlineRiseSigmaPerSoftness * softness_m,
+                  kMostOutlineRiseSigmaPerLeaf * leaf_m);
+}
 
 /// What the gimbal says about one shot, with one-sigma; unusable values are not known.
 struct AttitudePrior {

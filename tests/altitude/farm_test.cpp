@@ -1,0 +1,35 @@
+#include "altitude/farm.h"
+
+#include <gtest/gtest.h>
+#include <cmath>
+
+namespace furrow::altitude {
+namespace {
+
+// By hand from eq. 8.8: a vine's row, and one of young corn that is narrower than a leaf's reach.
+TEST(Farm, OutlinesAreRaggedByALeafWhateverTheRowsWidth) {
+  const Estimate vine = outline_rise({}, {0.6, 0.3, 0.03});
+  EXPECT_NEAR(vine.value, 0.6 * 0.12 + 0.2146 * 0.3, 1e-4);
+  EXPECT_NEAR(vine.sigma, std::hypot(0.4 * 0.12 + 2.5 * 0.03, 0.3 / (2.0 * std::sqrt(12.0))), 1e-4);
+  EXPECT_NEAR(outline_rise({}, {0.3, 0.3, 0.03}).value, vine.value, 1e-12);
+
+  const Estimate corn = outline_rise({}, {0.1, 0.05, 0.005});
+  EXPECT_NEAR(corn.value, 0.6 * 0.1 + 0.2146 * 0.05, 1e-4);
+  EXPECT_NEAR(corn.sigma, std::hypot(0.4 * 0.1 + 2.5 * 0.005, 0.05 / (2.0 * std::sqrt(12.0))), 1e-4);
+}
+
+TEST(Farm, NoOutlineIsRaggedByMoreThanALeafAndAQuarter) {
+  EXPECT_NEAR(outline_rise({}, {0.6, 0.0, 0.2}).sigma, 1.25 * 0.12, 1e-12);
+  EXPECT_NEAR(outline_rise({}, {0.1, 0.0, 0.2}).sigma, 1.25 * 0.1, 1e-12);
+}
+
+TEST(Farm, AToldRiseIsTakenAsTold) {
+  FieldKnowledge field;
+  field.outline_rise_m = {0.3, 0.035, 1};
+  const Estimate told = outline_rise(field, {0.6, 0.3, 0.03});
+  EXPECT_EQ(told.value, 0.3);
+  EXPECT_EQ(told.sigma, 0.035);
+}
+
+}  // namespace
+}  // namespace furrow::altitude
