@@ -39,6 +39,7 @@ struct Line {
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
   Eigen::Vector2d along = Eigen::Vector2d::UnitY();
   double spread = 0.0;         ///< weighted rms distance from the centroid along the line
+  double skewness = 0.0;       ///< weighted, of the places along the line
   double weight_sum = 0.0;     ///< sum of 1 / sigma^2
   double mean_sigma2 = 0.0;    ///< count / weight_sum
   std::vector<double> places;  ///< along the line from the centroid
@@ -66,6 +67,15 @@ void fit_weighted(const Samples& samples, const std::vector<double>& weights, Li
   line.spread = std::sqrt(std::max(0.0, line.along.dot(scatter * line.along) / sum));
 }
 
+double skewness_of(const Samples& samples, const std::vector<double>& weights, const Line& line) {
+  double cubes = 0.0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const double place = line.along.dot(samples.points[i] - line.centroid);
+    cubes += weights[i] * place * place * place;
+  }
+  return cubes / (line.weight_sum * std::pow(line.spread, 3));
+}
+
 double signed_distance(const Line& line, const Eigen::Vector2d& p) {
   const Eigen::Vector2d d = p - line.centroid;
   return line.along.x() * d.y() - line.along.y() * d.x();
@@ -76,10 +86,11 @@ std::optional<Line> fit_line(const Samples& samples) {
   if (n < 2) return std::nullopt;
   Line line;
   line.scores.resize(n);
-  std::vector<double> weights(n);
+  std::vector<double> weights(n), used;
   for (std::size_t i = 0; i < n; ++i) weights[i] = 1.0 / (samples.sigmas[i] * samples.sigmas[i]);
   for (int pass = 0; pass < kLinePasses; ++pass) {
-    fit_weighted(samples, weights, line);
+    used = weights;
+    fit_weighted(samples, used, line);
     for (std::size_t i = 0; i < n; ++i) {
       line.scores[i] = signed_distance(line, samples.points[i]) / samples.sigmas[i];
     }
@@ -94,6 +105,7 @@ std::optional<Line> fit_line(const Samples& samples) {
     if (!drawn_in) break;
   }
   if (!(line.spread > 0.0) || !std::isfinite(line.weight_sum)) return std::nullopt;
+  line.skewness = skewness_of(samples, used, line);
   line.mean_sigma2 = static_cast<double>(n) / line.weight_sum;
   for (const Eigen::Vector2d& p : samples.points) line.places.push_back(line.along.dot(p - line.centroid));
   return line;
@@ -178,6 +190,20 @@ Noise pooled_noise(const std::vector<Line>& lines) {
   return noise;
 }
 
+/// Places of the two points in units of the spread (eq. 4.2); their product is -1.
+Eigen::Array2d nodes_of(const Line& line) {
+  const double middle = 0.5 * line.skewness, reach = std::hypot(1.0, middle);
+  return {middle - reach, middle + reach};
+}
+
+/// The two points with independent errors of the line's offset and of its slope times the spread.
+void set_points(const Line& line, double offset_variance, double turn_variance, EdgeLine& edge) {
+  const Eigen::Array2d nodes = nodes_of(line);
+  for (int i = 0; i < 2; ++i) edge.points[i] = line.centroid + nodes[i] * line.spread * line.along;
+  edge.variance = offset_variance + turn_variance * nodes.square();
+  edge.covariance = offset_variance - turn_variance;
+}
+
 /// Variances of the two points (eq. 4.5): what scatters along the row averages out; what is claimed beyond
 /// the scatter is common to the row and does not.
 void set_variances(const Line& line, const Noise& noise, EdgeLine& edge) {
@@ -185,8 +211,8 @@ void set_variances(const Line& line, const Noise& noise, EdgeLine& edge) {
   const double ratio = variance_ratio(line, noise.variance_ratio, noise.rho);
   const double scatter = ratio / line.weight_sum;
   const double common = std::max(0.0, 1.0 - ratio) * line.mean_sigma2;
-  edge.variance = scatter * (inflation.offset + inflation.slope) + common;
-  edge.covariance = scatter * (inflation.offset - inflation.slope);
+  set_points(line, scatter * inflation.offset, scatter * inflation.slope, edge);
+  edge.variance.array() += common;
 }
 
 /// An edge against the ground, or, where that was not seen, the top's against leaves.
@@ -229,12 +255,9 @@ std::vector<EdgeLine> reduce_to_lines(const RowsOnUnitPlane& rows) {
     EdgeLine edge;
     edge.row = samples.row;
     edge.side = samples.side;
-    edge.points[0] = line->centroid - line->spread * line->along;
-    edge.points[1] = line->centroid + line->spread * line->along;
     edge.samples = static_cast<int>(samples.points.size());
     if (samples.common) {
-      edge.variance = (1.0 + kFreeTurn) * line->mean_sigma2;
-      edge.covariance = (1.0 - kFreeTurn) * line->mean_sigma2;
+      set_points(*line, line->mean_sigma2, kFreeTurn * line->mean_sigma2, edge);
       tops.push_back(edge);
     } else {
       result.push_back(edge);

@@ -9,13 +9,13 @@ namespace furrow::altitude {
 enum class Side { left, right, centre };
 
 /// One straight edge (or centre line) of one row, reduced to two points of the unit plane that say as much as
-/// all its samples (docs/formulation/altitude.md, section 4). Their perpendicular errors have one `variance`
-/// and a `covariance`.
+/// all its samples (docs/formulation/altitude.md, section 4): where a line fitted to a gently curved row
+/// meets that row. Their perpendicular errors have a `variance` each and a `covariance`.
 struct EdgeLine {
   int row = 0;  ///< index of the row
   Side side = Side::centre;
   Eigen::Vector2d points[2];
-  double variance = 0.0;
+  Eigen::Vector2d variance = Eigen::Vector2d::Zero();
   double covariance = 0.0;  ///< 0 for errors that are independent along the row
   int samples = 0;
   /// In the pencil: half widths from its row's axis to where its line of sight meets the plane of the

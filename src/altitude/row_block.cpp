@@ -37,7 +37,7 @@ BlockCovariance block_covariance(const RowBlock& block, const std::vector<LinePl
       const int part = at + j;
       per_slope[j] = residual_per_slope(axes, places[i].slope, block.lines[i].points[j]);
       planting[part] = per_slope[j] * wander.planting_sigma_m / places[i].drop_m;
-      c.picture(part, part) = block.lines[i].variance;
+      c.picture(part, part) = block.lines[i].variance[j];
     }
     c.picture(at, at + 1) = c.picture(at + 1, at) = block.lines[i].covariance;
     const double growth_slope = wander.growth_sigma_m / places[i].drop_m;

@@ -62,7 +62,7 @@ RowDirectionFit fit_direction(const std::vector<EdgeLine>& lines) {
   for (const EdgeLine& line : lines) {
     const Eigen::Vector3d normal = plane_of(line);
     const double half_length = 0.5 * (line.points[1] - line.points[0]).norm();
-    information += half_length * half_length / line.variance * normal * normal.transpose();
+    information += half_length * half_length / line.variance.mean() * normal * normal.transpose();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
   RowDirectionFit fit;
@@ -85,7 +85,7 @@ double yaw_at_pitch(const std::vector<EdgeLine>& lines, double theta) {
   double xx = 0.0, xm = 0.0, mm = 0.0;
   for (const EdgeLine& line : lines) {
     const Eigen::Vector3d l = plane_of(line);
-    const double weight = (line.points[1] - line.points[0]).squaredNorm() / line.variance;
+    const double weight = (line.points[1] - line.points[0]).squaredNorm() / line.variance.mean();
     const double m = l.y() * std::sin(theta) + l.z() * std::cos(theta);
     xx += weight * l.x() * l.x();
     xm += weight * l.x() * m;
