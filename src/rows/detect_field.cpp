@@ -125,26 +125,38 @@ int edge_count(const std::vector<RowLine>& rows) {
   return count;
 }
 
+/// What the picture shows of the rows, levelled by some slope.
+struct Shape {
+  CommonModel model;
+  std::vector<RowLine> rows;
+  double tops_explained = 0.0;                      ///< FoundTops::explained
+  std::optional<TiltedTops> tilted = std::nullopt;  ///< in the model when they were looked for
+  PlanarField looked_through = {};                  ///< that model
+};
+
 /// Straight rows towards where their edges meet, and the spacing of their tops, when the gimbal's horizon is
 /// known and the rows are straight: along rows that bend or go over hills a straight model loses edges.
-void straighten(const Image& picture, const Priors& priors, const SummedMap& map,
-                const std::vector<double>& sample_v, CommonModel& model, std::vector<RowLine>& rows) {
+/// `tilt` is dv/du of the rows' own horizon.
+void straighten(const Image& picture, const Priors& priors, double tilt, const SummedMap& map,
+                const std::vector<double>& sample_v, Shape& shape) {
   // Of the edges: straight rows of renders kept 0.96 of them and more (one shot in thirty 0.88), rows over
   // hills 0.78 to 0.89.
   constexpr double kLeastKept = 0.9;
-  const auto point = meeting_point(rows, priors, 0.5 * (picture.width - 1));
+  const auto point = meeting_point(shape.rows, priors, 0.5 * (picture.width - 1));
   if (!point) return;
-  const CommonModel straight = straightened(model, *point, picture.width, picture.height);
+  const CommonModel straight = straightened(shape.model, *point, picture.width, picture.height);
   std::vector<RowLine> straight_rows = shaped_rows(map, straight, picture.width, sample_v);
-  if (edge_count(straight_rows) < kLeastKept * edge_count(rows)) return;
-  model = straight;
-  rows = std::move(straight_rows);
-  const double tilt = priors.horizon_slope.value_or(0.0);
-  const auto tops = find_tops(map.map(), model, tilt, rows);
-  if (!tops) return;
-  model = with_spacing(model, tops->middle, tops->spacing);
-  rows = shaped_rows(map, model, picture.width, sample_v);
-  write_tops(*tops, model.field(), tilt, rows);
+  if (edge_count(straight_rows) < kLeastKept * edge_count(shape.rows)) return;
+  shape.model = straight;
+  shape.rows = std::move(straight_rows);
+  const FoundTops tops = find_tops(map.map(), shape.model, tilt, shape.rows);
+  shape.tops_explained = tops.explained;
+  shape.tilted = tops.tilted;
+  shape.looked_through = shape.model.field();
+  if (!tops.comb) return;
+  shape.model = with_spacing(shape.model, tops.comb->middle, tops.comb->spacing);
+  shape.rows = shaped_rows(map, shape.model, picture.width, sample_v);
+  write_tops(*tops.comb, shape.model.field(), tilt, shape.rows);
 }
 
 /// A search in the picture levelled by a slope of the horizon.
@@ -201,29 +213,48 @@ Searched levelled_by_rows(const Image& picture, const DetectOptions& options, Se
   return best;
 }
 
-RowLines shaped(const Image& picture, const DetectOptions& options, const Searched& searched) {
-  RowLines lines = begun(picture, "field");
-  const auto& [slope, map, found] = searched;
-  if (!found || found->score < options.least_score)
-    return no_rows(lines, searched.score(), options.least_score);
-  CommonModel model(*found, map);
+/// `level` is the picture levelled by `slope`, `map` one of it where the search's is as fine as edges need.
+Shape shape_of(const Image& level, double slope, const DetectOptions& options, const GreenMap* map,
+               CommonModel model, double tooth) {
   const double most_step = slope == 0.0 ? 10.0 : 5.0;  // tilting may double a step
   const auto sample_v =
-      sample_rows(picture.height, std::min({options.sample_step_px, most_step, picture.height / 60.0}));
+      sample_rows(level.height, std::min({options.sample_step_px, most_step, level.height / 60.0}));
+  const SummedMap fine(leaf_map(map ? *map : green_map(level, options.shape_pixels), model, tooth));
+  Shape shape{std::move(model), {}};
+  shape.rows = shaped_rows(fine, shape.model, level.width, sample_v);
+  // The gimbal's horizon is level against gravity, the rows' against their plane.
+  const double told = options.priors.horizon_slope.value_or(0.0);
+  Priors priors = options.priors;
+  priors.horizon_slope = options.priors.horizon_slope ? told - slope : 0.0;
+  straighten(level, priors, slope == 0.0 ? told : 0.0, fine, sample_v, shape);
+  return shape;
+}
+
+/// Rows in the picture levelled by `slope`; where their tops show that the ground slopes across, by that too,
+/// which `slope` then includes.
+Shape shape_on_slope(const Image& picture, const DetectOptions& options, const Searched& searched,
+                     double& slope) {
+  constexpr double kLeastTilt = 0.02;  // a degree
+  constexpr int kRounds = 2;
+  const double tooth = searched.found->tooth;
   const bool is_fine = std::min(options.shape_pixels, 1.0 * picture.width * picture.height) <= kSearchPixels;
-  const SummedMap fine(
-      leaf_map(is_fine ? map : green_map(picture, options.shape_pixels), model, found->tooth));
-  lines.rows = shaped_rows(fine, model, picture.width, sample_v);
-  straighten(picture, options.priors, fine, sample_v, model, lines.rows);
-  lines.field = model.field();
-  lines.vanishing_point_px = model.field().vanishing_point();
-  count_from_followed(lines);
-  if (lines.rows.empty()) return no_rows(lines, found->score, options.least_score);
-  lines.status = "ok";
-  lines.score = found->score;
-  lines.tooth = found->tooth;
-  lines.confidence = confidence_of(*found);
-  return lines;
+  Shape shape =
+      shape_of(slope == 0.0 ? picture : levelled(picture, slope), slope, options,
+               is_fine ? &searched.map : nullptr, CommonModel(*searched.found, searched.map), tooth);
+  for (int round = 0; round < kRounds && shape.tilted; ++round) {
+    const double tilt = shape.tilted->tilt;
+    if (std::abs(tilt) < kLeastTilt) break;
+    const double told = slope == 0.0 ? options.priors.horizon_slope.value_or(0.0) : slope;
+    const auto field =
+        relevelled(shape.looked_through, told + tilt - slope, 0.5 * (picture.width - 1), 0.0, 1.0);
+    if (!field) break;
+    Shape next =
+        shape_of(levelled(picture, told + tilt), told + tilt, options, nullptr, CommonModel(*field), tooth);
+    if (next.tops_explained <= shape.tops_explained) break;
+    slope = told + tilt;
+    shape = std::move(next);
+  }
+  return shape;
 }
 
 }  // namespace
@@ -242,13 +273,22 @@ RowLines detect_field(const Image& picture, const DetectOptions& options) {
   if (!(std::abs(slope) > kLeastSlope && std::abs(slope) < kMostSlope)) slope = 0.0;
   Searched searched = search_levelled(picture, options, slope);
   if (!told) searched = levelled_by_rows(picture, options, std::move(searched));
+  RowLines lines = begun(picture, "field");
+  const auto& found = searched.found;
+  if (!found || found->score < options.least_score)
+    return no_rows(lines, searched.score(), options.least_score);
   slope = searched.slope;
-  if (slope == 0.0) return shaped(picture, options, searched);
-  DetectOptions level = options;
-  level.priors.horizon_slope.reset();
-  RowLines lines = shaped(levelled(picture, slope), level, searched);
-  tilt_back(lines, slope);
-  return lines.ok() && lines.rows.empty() ? no_rows(lines, lines.score, options.least_score) : lines;
+  Shape shape = shape_on_slope(picture, options, searched, slope);
+  lines.rows = std::move(shape.rows);
+  lines.field = shape.model.field();
+  lines.vanishing_point_px = lines.field->vanishing_point();
+  count_from_followed(lines);
+  lines.status = "ok";
+  lines.score = found->score;
+  lines.tooth = found->tooth;
+  lines.confidence = confidence_of(*found);
+  if (slope != 0.0) tilt_back(lines, slope);
+  return lines.rows.empty() ? no_rows(lines, found->score, options.least_score) : lines;
 }
 
 }  // namespace furrow::rows

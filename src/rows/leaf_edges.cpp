@@ -225,7 +225,9 @@ struct Side : MeanLight {
 /// beside it.
 struct GroundEdges {
   double middle = 0.0, half_width = 0.0;
-  double near = 0.0;  ///< mean distance of the neighbours' near edges from the middle
+  double near_left = 0.0, near_right = 0.0;  ///< distances of the neighbours' near edges from the middle
+
+  double near() const { return 0.5 * (near_left + near_right); }
 };
 
 std::optional<double> median_place(const RowLine& row, const CommonModel& model, double RowSample::*edge) {
@@ -252,10 +254,9 @@ std::optional<GroundEdges> ground_edges(const std::vector<RowLine>& rows, const 
   GroundEdges edges;
   edges.middle = 0.5 * (*left + *right);
   edges.half_width = 0.5 * (*right - *left);
-  const double to_left = near_left ? edges.middle - *near_left : *near_right - edges.middle;
-  const double to_right = near_right ? *near_right - edges.middle : to_left;
-  edges.near = 0.5 * (to_left + to_right);
-  if (!(edges.half_width > 0.0 && edges.near > edges.half_width)) return std::nullopt;
+  edges.near_left = near_left ? edges.middle - *near_left : *near_right - edges.middle;
+  edges.near_right = near_right ? *near_right - edges.middle : edges.near_left;
+  if (!(edges.half_width > 0.0 && edges.near() > edges.half_width)) return std::nullopt;
   return edges;
 }
 
@@ -275,12 +276,43 @@ struct Trendless {
   double total = 0.0;               ///< sum of the rest's squares
 };
 
-Trendless without_trend(const Side& side, const GroundEdges& ground) {
+/// Row numbers where the rows' plane is tilted by `tilt` more than the fan counts with: lines through the
+/// vanishing point that lean by m lean by m / (1 - tilt m) once that is levelled. Middle and spacing of the
+/// followed row stay.
+class Relevelled {
+ public:
+  Relevelled(const Fan& fan, double middle, double tilt)
+      : lean_(fan.zero + middle * fan.per_row), per_row_(fan.per_row), middle_(middle), tilt_(tilt) {}
+
+  /// Nothing on and beyond the tilted plane's horizon.
+  std::optional<double> operator()(double place) const {
+    constexpr double kLeastOver = 0.1;
+    const double off = place - middle_;
+    const double over = 1.0 - tilt_ * (lean_ + off * per_row_), over_middle = 1.0 - tilt_ * lean_;
+    if (over < kLeastOver || over_middle < kLeastOver) return std::nullopt;
+    return middle_ + off * over_middle / over;
+  }
+
+ private:
+  double lean_, per_row_, middle_, tilt_;
+};
+
+GroundEdges relevelled(const GroundEdges& ground, const Relevelled& place) {
+  GroundEdges edges = ground;
+  if (const auto left = place(ground.middle - ground.near_left)) edges.near_left = ground.middle - *left;
+  if (const auto right = place(ground.middle + ground.near_right)) edges.near_right = *right - ground.middle;
+  return edges;
+}
+
+/// Bins of the side that lie beyond the neighbour's near edge.
+Trendless without_trend(const Side& side, const GroundEdges& ground, const Relevelled& place) {
   Trendless light;
   double away_sum = 0.0, sum = 0.0, squares = 0.0, slope = 0.0;
   for (int i = 0; i < kBins; ++i) {
-    const double away = side.direction * (place_of(i - 0.5) - ground.middle);
-    if (!side.there[static_cast<std::size_t>(i)] || away < ground.near + 0.05) continue;
+    const double bin = place_of(i - 0.5);
+    if (!side.there[static_cast<std::size_t>(i)] || side.direction * (bin - ground.middle) <= 0.0) continue;
+    const double away = side.direction * (place(bin).value_or(ground.middle) - ground.middle);
+    if (away < ground.near() + 0.05) continue;
     light.away.push_back(away);
     light.rest.push_back(static_cast<double>(side.mean[static_cast<std::size_t>(i)]));
     away_sum += away, sum += light.rest.back();
@@ -314,21 +346,57 @@ double explained(const Trendless& light, const GroundEdges& ground, double spaci
   return common > 0.0 && own > 0.0 ? common * common / own : 0.0;
 }
 
-/// Spacing of the tops in row numbers of the model. A neighbour's near edge, at the top or at the foot of a
-/// wall, lies at least a width before the top's far edge; and at least as far as the foot of a wall a little
-/// deeper than the camera is high.
-std::optional<double> top_spacing(const std::array<Side, 2>& sides, const GroundEdges& ground) {
-  constexpr double kStep = 0.01, kDeepestWall = 1.3, kMostStretch = 2.2, kLeastExplained = 0.2;
-  const double from = ground.near + 0.8 * ground.half_width;
-  const double to = std::min((1.0 + kDeepestWall) * ground.near + ground.half_width, kMostStretch);
-  const std::array light = {without_trend(sides[0], ground), without_trend(sides[1], ground)};
-  double best = kLeastExplained * (light[0].total + light[1].total);
-  std::optional<double> spacing;
-  for (double s = from; s <= to; s += kStep) {
-    const double comb = explained(light[0], ground, s) + explained(light[1], ground, s);
-    if (comb > best) best = comb, spacing = s;
+/// A comb of tops: spacing in row numbers, and how much of the light's squares it explains.
+struct Comb {
+  double spacing = 0.0, squares = 0.0, total = 0.0;
+
+  double part() const { return total > 0.0 ? squares / total : 0.0; }
+};
+
+/// The comb that explains most, under a tilt of the rows' plane that the fan does not count with. A
+/// neighbour's near edge, at the top or at the foot of a wall, lies at least a width before the top's far
+/// edge; and at least as far as the foot of a wall a little deeper than the camera is high.
+Comb best_comb(const std::array<Side, 2>& sides, const GroundEdges& level, const Relevelled& place,
+               double step) {
+  constexpr double kDeepestWall = 1.3, kMostStretch = 2.2;
+  const GroundEdges ground = relevelled(level, place);
+  const double from = ground.near() + 0.8 * ground.half_width;
+  const double to = std::min((1.0 + kDeepestWall) * ground.near() + ground.half_width, kMostStretch);
+  const std::array light = {without_trend(sides[0], ground, place), without_trend(sides[1], ground, place)};
+  Comb best;
+  best.total = light[0].total + light[1].total;
+  for (double s = from; s <= to; s += step) {
+    const double squares = explained(light[0], ground, s) + explained(light[1], ground, s);
+    if (squares > best.squares) best.squares = squares, best.spacing = s;
   }
-  return spacing;
+  return best;
+}
+
+/// Nothing where the tops show no tilt of the rows' plane clearly. `level` is the best comb without one.
+std::optional<TiltedTops> tilted_tops(const std::array<Side, 2>& sides, const GroundEdges& ground,
+                                      const Fan& fan, const Comb& level) {
+  // Ground that rows are planted on slopes by up to 10 % across, two thirds of it.
+  constexpr double kTiltSigma = 0.1, kMostTilt = 0.16, kStep = 0.02;
+  constexpr double kIndependent = 30.0;  // pieces of light, of a quarter of a row number
+  constexpr double kLeastGain = 3.0;     // of log likelihood: twenty to one
+  constexpr double kSpacingStep = 0.02;
+  constexpr int kSteps = static_cast<int>(kMostTilt / kStep + 0.5);
+  std::array<double, 2 * kSteps + 1> scores{};
+  std::array<Comb, 2 * kSteps + 1> combs{};
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    const double tilt = (static_cast<int>(i) - kSteps) * kStep;
+    combs[i] = best_comb(sides, ground, Relevelled(fan, ground.middle, tilt), kSpacingStep);
+    const double left = std::max(1.0 - combs[i].squares / level.total, 0.05);
+    scores[i] = -0.5 * kIndependent * std::log(left) - 0.5 * tilt * tilt / (kTiltSigma * kTiltSigma);
+  }
+  const auto best = static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
+  if (!(scores[best] - scores[kSteps] > kLeastGain)) return std::nullopt;
+  double steps = static_cast<double>(best) - kSteps;
+  if (best > 0 && best + 1 < scores.size()) {
+    const double bow = scores[best - 1] - 2.0 * scores[best] + scores[best + 1];
+    if (bow < 0.0) steps += std::clamp(0.5 * (scores[best - 1] - scores[best + 1]) / bow, -0.5, 0.5);
+  }
+  return TiltedTops{steps * kStep, ground.middle, combs[best].spacing};
 }
 
 std::array<Side, 2> sides_of(const LightByRow& light) {
@@ -355,29 +423,38 @@ std::optional<Estimate> edge_near(const Side& side, double place, double reach) 
   return Estimate{*peak, std::hypot(sigma, kFinest), kBlocks};
 }
 
-}  // namespace
-
-std::optional<TopComb> find_tops(const GreenMap& map, const CommonModel& model, double tilt,
-                                 const std::vector<RowLine>& rows) {
-  if (map.light.empty()) return std::nullopt;
-  const auto fan = fan_of(model.field(), tilt);
-  const auto ground = ground_edges(rows, model);
-  if (!fan || !ground) return std::nullopt;
-  const LightByRow light = light_by_row(map, model.field(), *fan);
-  const std::array sides = sides_of(light);
-  const auto spacing = top_spacing(sides, *ground);
-  if (!spacing) return std::nullopt;
+/// The far edges near their places in a comb of that spacing.
+TopComb comb_of(const std::array<Side, 2>& sides, const GroundEdges& ground, double spacing) {
   TopComb comb;
-  comb.middle = ground->middle;
-  comb.spacing = *spacing;
+  comb.middle = ground.middle;
+  comb.spacing = spacing;
   for (const Side& side : sides) {
     for (int k = 1; k <= kRows; ++k) {
-      const double place = ground->middle + side.direction * (k * *spacing + ground->half_width);
-      const double reach = std::min(0.8 * ground->half_width, 0.2 * *spacing);
+      const double place = ground.middle + side.direction * (k * spacing + ground.half_width);
+      const double reach = std::min(0.8 * ground.half_width, 0.2 * spacing);
       if (const auto edge = edge_near(side, place, reach)) comb.edges.push_back({side.direction * k, *edge});
     }
   }
   return comb;
+}
+
+}  // namespace
+
+FoundTops find_tops(const GreenMap& map, const CommonModel& model, double tilt,
+                    const std::vector<RowLine>& rows) {
+  FoundTops found;
+  if (map.light.empty()) return found;
+  const auto fan = fan_of(model.field(), tilt);
+  const auto ground = ground_edges(rows, model);
+  if (!fan || !ground) return found;
+  const LightByRow light = light_by_row(map, model.field(), *fan);
+  const std::array sides = sides_of(light);
+  constexpr double kLeastExplained = 0.2, kSpacingStep = 0.01;
+  const Comb level = best_comb(sides, *ground, Relevelled(*fan, ground->middle, 0.0), kSpacingStep);
+  found.explained = level.part();
+  found.tilted = tilted_tops(sides, *ground, *fan, level);
+  if (found.explained > kLeastExplained) found.comb = comb_of(sides, *ground, level.spacing);
+  return found;
 }
 
 void write_tops(const TopComb& comb, const PlanarField& field, double tilt, std::vector<RowLine>& rows) {

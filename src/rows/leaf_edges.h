@@ -21,13 +21,28 @@ struct TopComb {
   std::vector<TopEdge> edges;
 };
 
+/// Tops whose plane is tilted against the one that was looked through, on ground that slopes across the rows.
+struct TiltedTops {
+  double tilt = 0.0;  ///< dv/du
+  double middle = 0.0,
+         spacing = 1.0;  ///< row numbers of the model that was looked through, at the followed row
+};
+
+struct FoundTops {
+  /// Nothing where the followed row or its neighbours show no edges against the ground, or no light drops.
+  std::optional<TopComb> comb;
+  double explained = 0.0;  ///< part of the light's squares beside the followed row that the comb explains
+  /// Where a tilt explains clearly more: rows on the one side then lie ever wider apart and on the other ever
+  /// closer. Rows and tops are then to be found again in the picture levelled by it.
+  std::optional<TiltedTops> tilted;
+};
+
 /// Finds the tops' far edges where they stand against the leaves of the next row, too: low above the canopy
 /// neighbours hide the alleys, and green shows no edge. A top is lit by the whole sky and the wall behind it
 /// is not, least of all at its foot, so the light along the rows drops at the far edge
-/// (docs/formulation/rows.md). `tilt` is dv/du of the horizon. Nothing where the followed row or its
-/// neighbours show no edges against the ground, or no light drops.
-std::optional<TopComb> find_tops(const GreenMap& map, const CommonModel& model, double tilt,
-                                 const std::vector<RowLine>& rows);
+/// (docs/formulation/rows.md). `tilt` is dv/du of the horizon.
+FoundTops find_tops(const GreenMap& map, const CommonModel& model, double tilt,
+                    const std::vector<RowLine>& rows);
 
 /// Writes them into the rows of a field that has the tops' spacing, row 0 the followed one
 /// (RowSample::top_left_u_px, top_right_u_px).
