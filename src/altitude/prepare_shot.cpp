@@ -23,7 +23,7 @@ Result<ShotSystem> build_system(const Pencil& pencil, const Farm& farm, const At
   FURROW_TRY(const GimbalPrior gimbal, gimbal_prior(prior));
   ShotSystem system;
   for (const RowBlock& rows : pencil.blocks) system.blocks.push_back({rows, {}, {}});
-  system.priors = angle_priors(gimbal, prior.roll_rad.usable(), options.terrain_slope_sigma_rad);
+  system.priors = angle_priors(gimbal, prior.roll_rad.usable(), options);
   for (ParameterPrior& p : farm_priors(farm)) system.priors.push_back(std::move(p));
   system.wander = {farm.planting_sigma_m, farm.growth_sigma_m, farm.foot_sigma_m};
   return system;
@@ -31,10 +31,12 @@ Result<ShotSystem> build_system(const Pencil& pencil, const Farm& farm, const At
 
 }  // namespace
 
-AttitudePrior over_slope(AttitudePrior prior, double terrain_slope_sigma_rad) {
-  for (Estimate* angle : {&prior.pitch_rad, &prior.roll_rad}) {
-    if (angle->usable()) angle->sigma = std::hypot(angle->sigma, terrain_slope_sigma_rad);
-  }
+AttitudePrior over_slope(AttitudePrior prior, const RefineOptions& options) {
+  const auto widen = [](Estimate& angle, double sigma) {
+    if (angle.usable()) angle.sigma = std::hypot(angle.sigma, sigma);
+  };
+  widen(prior.pitch_rad, options.terrain_slope_sigma_rad);
+  widen(prior.roll_rad, options.slope_across_sigma_rad);
   return prior;
 }
 
@@ -138,8 +140,7 @@ Result<PreparedShot> prepare_directions(const RowsOnUnitPlane& directions, const
                                         const Farm& farm, const AttitudePrior& prior,
                                         const RefineOptions& options) {
   // A start that trusts the gimbal over a slope gives lines to wrong edges.
-  FURROW_TRY(const Pencil pencil,
-             fit_pencil(directions, field, over_slope(prior, options.terrain_slope_sigma_rad)));
+  FURROW_TRY(const Pencil pencil, fit_pencil(directions, field, over_slope(prior, options)));
   PreparedShot shot;
   FURROW_TRY(shot.system, build_system(pencil, farm, prior, options));
   shot.x = start_of(pencil, farm);

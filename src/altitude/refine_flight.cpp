@@ -112,7 +112,8 @@ std::vector<ParameterPrior> shared_priors(const Farm& farm, const std::vector<Sh
   const auto common = [](double sigma) { return Estimate{0.0, std::max(kHeldSigma, sigma), 0}; };
   priors.push_back({"pitch_bias", kFarmSize + kPitchBias,
                     typical(pitch, options.mean_slope_sigma_rad > 0.0 ? 0.0 : slope), !pitch.empty()});
-  priors.push_back({"roll_bias", kFarmSize + kRollBias, typical(roll, slope), !roll.empty()});
+  priors.push_back({"roll_bias", kFarmSize + kRollBias, typical(roll, options.shot.slope_across_sigma_rad),
+                    !roll.empty()});
   priors.push_back({"terrain_slope", kFarmSize + kTerrainSlope, common(options.mean_slope_sigma_rad), true});
   priors.push_back({"focal_factor", kFarmSize + kFocal, common(options.focal_sigma), true});
   return priors;

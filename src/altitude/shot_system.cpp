@@ -63,14 +63,15 @@ std::vector<ParameterPrior> farm_priors(const Farm& farm) {
 }
 
 std::vector<ParameterPrior> angle_priors(const GimbalPrior& gimbal, bool roll_given,
-                                         double terrain_slope_sigma_rad) {
+                                         const RefineOptions& options) {
   std::vector<ParameterPrior> priors;
-  const auto widened = [&](Estimate e) {
-    e.sigma = std::hypot(e.sigma, terrain_slope_sigma_rad);
+  const auto widened = [](Estimate e, double slope_sigma_rad) {
+    e.sigma = std::hypot(e.sigma, slope_sigma_rad);
     return e;
   };
-  if (gimbal.theta.usable()) priors.push_back({"pitch", kTheta, widened(gimbal.theta), true});
-  priors.push_back({"roll", kLambda, widened(gimbal.lambda), roll_given});
+  if (gimbal.theta.usable())
+    priors.push_back({"pitch", kTheta, widened(gimbal.theta, options.terrain_slope_sigma_rad), true});
+  priors.push_back({"roll", kLambda, widened(gimbal.lambda, options.slope_across_sigma_rad), roll_given});
   return priors;
 }
 

@@ -100,7 +100,7 @@ struct PriorCost {
 std::vector<ParameterPrior> farm_priors(const Farm& farm);
 /// Priors on a shot's angles, widened by the terrain's slope.
 std::vector<ParameterPrior> angle_priors(const GimbalPrior& gimbal, bool roll_given,
-                                         double terrain_slope_sigma_rad);
+                                         const RefineOptions& options);
 
 /// The pencil in metres: the start of the refinement.
 ShotVector start_of(const Pencil& pencil, const Farm& farm);

@@ -142,9 +142,12 @@ Status read_rows(const Value& value, const std::string& file, const fs::path& fo
   project.field.row_height_m = read_length(fields, "height", kDefaultRowHeightSigmaShare);
   project.field.foliage_depth_m = read_length(fields, "foliage_depth", kDefaultFoliageDepthSigmaShare);
   project.field.outline_rise_m = read_outline_rise(fields);
-  fields.optional("slope_sigma_deg", project.slope_sigma_deg);
-  fields.require(project.slope_sigma_deg > 0.0, "slope_sigma_deg",
-                 base::format_double(project.slope_sigma_deg), "an angle above 0");
+  const auto slope = [&](const char* name, double& sigma_deg) {
+    fields.optional(name, sigma_deg);
+    fields.require(sigma_deg > 0.0, name, base::format_double(sigma_deg), "an angle above 0");
+  };
+  slope("slope_sigma_deg", project.slope_sigma_deg);
+  slope("slope_across_sigma_deg", project.slope_across_sigma_deg);
   std::string method = "field";
   fields.optional("method", method);
   fields.require(method == "field" || method == "thesis", "method", "'" + method + "'", "field or thesis");

@@ -225,6 +225,7 @@ base::Value options_value(const Project& project) {
   value.set("foliage_depth_m", length(project.field.foliage_depth_m));
   value.set("outline_rise_m", length(project.field.outline_rise_m));
   value.set("slope_sigma_deg", project.slope_sigma_deg);
+  value.set("slope_across_sigma_deg", project.slope_across_sigma_deg);
   if (std::isfinite(project.gimbal_pitch_deg)) value.set("gimbal_pitch_deg", project.gimbal_pitch_deg);
   value.set("gimbal_pitch_sigma_deg", project.gimbal_pitch_sigma_deg);
   value.set("gimbal_roll_sigma_deg", project.gimbal_roll_sigma_deg);

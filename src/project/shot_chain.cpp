@@ -89,7 +89,7 @@ void measure(ShotResult& result, const Camera& camera, const Project& project) {
   if (directions.ok()) {
     const auto closed = altitude::from_spacing(
         *directions, project.field,
-        altitude::over_slope(result.prior, refine_options(project).terrain_slope_sigma_rad));
+        altitude::over_slope(result.prior, refine_options(project)));
     if (closed.ok()) record.above_canopy_spacing_m = closed->height_above_canopy_m;
   }
   const auto refined =
@@ -147,6 +147,7 @@ void measure_depth(ShotResult& result, const telemetry::Shot& shot, const Projec
 altitude::RefineOptions refine_options(const Project& project) {
   altitude::RefineOptions options;
   options.terrain_slope_sigma_rad = deg_to_rad(project.slope_sigma_deg);
+  options.slope_across_sigma_rad = deg_to_rad(project.slope_across_sigma_deg);
   return options;
 }
 

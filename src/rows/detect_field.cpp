@@ -129,9 +129,9 @@ int edge_count(const std::vector<RowLine>& rows) {
 struct Shape {
   CommonModel model;
   std::vector<RowLine> rows;
-  double tops_explained = 0.0;                      ///< FoundTops::explained
-  std::optional<TiltedTops> tilted = std::nullopt;  ///< in the model when they were looked for
-  PlanarField looked_through = {};                  ///< that model
+  double tops_explained = 0.0;  ///< FoundTops::explained
+  double tilt = 0.0;            ///< FoundTops::tilt
+  PlanarField looked_through;   ///< where the tops were looked for
 };
 
 /// Straight rows towards where their edges meet, and the spacing of their tops, when the gimbal's horizon is
@@ -151,7 +151,7 @@ void straighten(const Image& picture, const Priors& priors, double tilt, const S
   shape.rows = std::move(straight_rows);
   const FoundTops tops = find_tops(map.map(), shape.model, tilt, shape.rows);
   shape.tops_explained = tops.explained;
-  shape.tilted = tops.tilted;
+  shape.tilt = tops.tilt;
   shape.looked_through = shape.model.field();
   if (!tops.comb) return;
   shape.model = with_spacing(shape.model, tops.comb->middle, tops.comb->spacing);
@@ -220,7 +220,7 @@ Shape shape_of(const Image& level, double slope, const DetectOptions& options, c
   const auto sample_v =
       sample_rows(level.height, std::min({options.sample_step_px, most_step, level.height / 60.0}));
   const SummedMap fine(leaf_map(map ? *map : green_map(level, options.shape_pixels), model, tooth));
-  Shape shape{std::move(model), {}};
+  Shape shape{std::move(model), {}, 0.0, 0.0, {}};
   shape.rows = shaped_rows(fine, shape.model, level.width, sample_v);
   // The gimbal's horizon is level against gravity, the rows' against their plane.
   const double told = options.priors.horizon_slope.value_or(0.0);
@@ -238,20 +238,18 @@ Shape shape_on_slope(const Image& picture, const DetectOptions& options, const S
   constexpr int kRounds = 2;
   const double tooth = searched.found->tooth;
   const bool is_fine = std::min(options.shape_pixels, 1.0 * picture.width * picture.height) <= kSearchPixels;
-  Shape shape =
-      shape_of(slope == 0.0 ? picture : levelled(picture, slope), slope, options,
-               is_fine ? &searched.map : nullptr, CommonModel(*searched.found, searched.map), tooth);
-  for (int round = 0; round < kRounds && shape.tilted; ++round) {
-    const double tilt = shape.tilted->tilt;
-    if (std::abs(tilt) < kLeastTilt) break;
+  const Image level = slope == 0.0 ? Image{} : levelled(picture, slope);
+  Shape shape = shape_of(slope == 0.0 ? picture : level, slope, options, is_fine ? &searched.map : nullptr,
+                         CommonModel(*searched.found, searched.map), tooth);
+  for (int round = 0; round < kRounds && std::abs(shape.tilt) > kLeastTilt; ++round) {
     const double told = slope == 0.0 ? options.priors.horizon_slope.value_or(0.0) : slope;
-    const auto field =
-        relevelled(shape.looked_through, told + tilt - slope, 0.5 * (picture.width - 1), 0.0, 1.0);
+    const double next_slope = told + shape.tilt;
+    const auto field = relevelled(shape.looked_through, next_slope - slope, 0.5 * (picture.width - 1));
     if (!field) break;
     Shape next =
-        shape_of(levelled(picture, told + tilt), told + tilt, options, nullptr, CommonModel(*field), tooth);
+        shape_of(levelled(picture, next_slope), next_slope, options, nullptr, CommonModel(*field), tooth);
     if (next.tops_explained <= shape.tops_explained) break;
-    slope = told + tilt;
+    slope = next_slope;
     shape = std::move(next);
   }
   return shape;

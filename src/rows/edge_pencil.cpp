@@ -134,20 +134,18 @@ PlanarField field_through(const PlanarField& field, const Eigen::Vector2d& point
   return straight;
 }
 
-std::optional<PlanarField> relevelled(const PlanarField& field, double tilt, double u_middle, double row_zero,
-                                      double spacing) {
+std::optional<PlanarField> relevelled(const PlanarField& field, double tilt, double u_middle) {
   constexpr double kLeastOver = 0.1;
   const auto point = field.vanishing_point();
   if (!point) return std::nullopt;
-  // A row leans by du/dv = m, and by m / (1 - tilt m) once its picture is sheared.
-  const double per_v = field.convergence / field.length;
-  const double lean = (field.offset + row_zero * field.spacing) * per_v + field.slope / field.length;
-  const double over = 1.0 - tilt * lean;
+  // A row leans by du/dv = m, and by m / (1 - tilt m) once its picture is sheared; dm of the spacing grows by
+  // the derivative.
+  const double steepness = field.convergence / field.length;
+  const double lean = field.offset * steepness + field.slope / field.length, over = 1.0 - tilt * lean;
   if (over < kLeastOver) return std::nullopt;
   const Eigen::Vector2d level(point->x(), point->y() - tilt * (point->x() - u_middle));
-  const double v = level.y() + field.length;
-  return field_through(field, level, v, level.x() + field.length * lean / over,
-                       field.length * spacing * field.spacing * per_v / (over * over));
+  return field_through(field, level, level.y() + field.length, level.x() + field.length * lean / over,
+                       field.length * steepness * field.spacing / (over * over));
 }
 
 }  // namespace furrow::rows

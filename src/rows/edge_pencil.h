@@ -20,11 +20,9 @@ std::optional<Eigen::Vector2d> meeting_point(const std::vector<RowLine>& rows, c
 PlanarField field_through(const PlanarField& field, const Eigen::Vector2d& point, double v, double row_zero_u,
                           double spacing);
 
-/// The straight field as it lies in the picture that is levelled by `tilt` more (levelled.h): where its
-/// vanishing point goes, and there row number `row_zero` as row 0 with the spacing beside it `spacing` times
-/// as wide. Other rows fan out unevenly from where they were. Nothing where row 0 lies along the picture's
-/// rows.
-std::optional<PlanarField> relevelled(const PlanarField& field, double tilt, double u_middle, double row_zero,
-                                      double spacing);
+/// The straight field as it lies in the picture that is levelled by `tilt` more (levelled.h). Row 0 and the
+/// spacing beside it are those of `field`; other rows fan out unevenly from where they were. Nothing where
+/// row 0 lies along the picture's rows.
+std::optional<PlanarField> relevelled(const PlanarField& field, double tilt, double u_middle);
 
 }  // namespace furrow::rows

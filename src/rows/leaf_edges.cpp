@@ -372,31 +372,30 @@ Comb best_comb(const std::array<Side, 2>& sides, const GroundEdges& level, const
   return best;
 }
 
-/// Nothing where the tops show no tilt of the rows' plane clearly. `level` is the best comb without one.
-std::optional<TiltedTops> tilted_tops(const std::array<Side, 2>& sides, const GroundEdges& ground,
-                                      const Fan& fan, const Comb& level) {
-  // Ground that rows are planted on slopes by up to 10 % across, two thirds of it.
+/// FoundTops::tilt. `level` is the best comb without one.
+double tilt_of_tops(const std::array<Side, 2>& sides, const GroundEdges& ground, const Fan& fan,
+                    const Comb& level) {
+  // One sigma: rows along a slope stand on up to 10 % without terraces, and steeper ones are left to others.
   constexpr double kTiltSigma = 0.1, kMostTilt = 0.16, kStep = 0.02;
   constexpr double kIndependent = 30.0;  // pieces of light, of a quarter of a row number
   constexpr double kLeastGain = 3.0;     // of log likelihood: twenty to one
   constexpr double kSpacingStep = 0.02;
   constexpr int kSteps = static_cast<int>(kMostTilt / kStep + 0.5);
   std::array<double, 2 * kSteps + 1> scores{};
-  std::array<Comb, 2 * kSteps + 1> combs{};
   for (std::size_t i = 0; i < scores.size(); ++i) {
     const double tilt = (static_cast<int>(i) - kSteps) * kStep;
-    combs[i] = best_comb(sides, ground, Relevelled(fan, ground.middle, tilt), kSpacingStep);
-    const double left = std::max(1.0 - combs[i].squares / level.total, 0.05);
+    const Comb comb = best_comb(sides, ground, Relevelled(fan, ground.middle, tilt), kSpacingStep);
+    const double left = std::max(1.0 - comb.squares / level.total, 0.05);
     scores[i] = -0.5 * kIndependent * std::log(left) - 0.5 * tilt * tilt / (kTiltSigma * kTiltSigma);
   }
   const auto best = static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
-  if (!(scores[best] - scores[kSteps] > kLeastGain)) return std::nullopt;
+  if (!(scores[best] - scores[kSteps] > kLeastGain)) return 0.0;
   double steps = static_cast<double>(best) - kSteps;
   if (best > 0 && best + 1 < scores.size()) {
     const double bow = scores[best - 1] - 2.0 * scores[best] + scores[best + 1];
     if (bow < 0.0) steps += std::clamp(0.5 * (scores[best - 1] - scores[best + 1]) / bow, -0.5, 0.5);
   }
-  return TiltedTops{steps * kStep, ground.middle, combs[best].spacing};
+  return steps * kStep;
 }
 
 std::array<Side, 2> sides_of(const LightByRow& light) {
@@ -452,7 +451,7 @@ FoundTops find_tops(const GreenMap& map, const CommonModel& model, double tilt,
   constexpr double kLeastExplained = 0.2, kSpacingStep = 0.01;
   const Comb level = best_comb(sides, *ground, Relevelled(*fan, ground->middle, 0.0), kSpacingStep);
   found.explained = level.part();
-  found.tilted = tilted_tops(sides, *ground, *fan, level);
+  found.tilt = tilt_of_tops(sides, *ground, *fan, level);
   if (found.explained > kLeastExplained) found.comb = comb_of(sides, *ground, level.spacing);
   return found;
 }

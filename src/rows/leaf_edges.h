@@ -21,20 +21,14 @@ struct TopComb {
   std::vector<TopEdge> edges;
 };
 
-/// Tops whose plane is tilted against the one that was looked through, on ground that slopes across the rows.
-struct TiltedTops {
-  double tilt = 0.0;  ///< dv/du
-  double middle = 0.0,
-         spacing = 1.0;  ///< row numbers of the model that was looked through, at the followed row
-};
-
 struct FoundTops {
   /// Nothing where the followed row or its neighbours show no edges against the ground, or no light drops.
   std::optional<TopComb> comb;
   double explained = 0.0;  ///< part of the light's squares beside the followed row that the comb explains
-  /// Where a tilt explains clearly more: rows on the one side then lie ever wider apart and on the other ever
-  /// closer. Rows and tops are then to be found again in the picture levelled by it.
-  std::optional<TiltedTops> tilted;
+  /// dv/du by which the plane of the tops is tilted against the one that was looked through, where that
+  /// explains clearly more, else 0: on ground that slopes across, rows lie ever wider apart on the one side
+  /// and ever closer on the other. Rows and tops are then to be found again in the picture levelled by it.
+  double tilt = 0.0;
 };
 
 /// Finds the tops' far edges where they stand against the leaves of the next row, too: low above the canopy

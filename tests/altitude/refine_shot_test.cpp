@@ -207,7 +207,7 @@ TEST(RefineShot, FocalUncertaintyCarriesOverOneToOneAtNadir) {
   camera.covariance(1, 1) = std::pow(0.01 * camera.fy, 2);
   camera.covariance(0, 1) = camera.covariance(1, 0) = std::pow(0.01, 2) * camera.fx * camera.fy;
   const auto shot = refine_shot(lines, camera, field, testing::prior_of(world, 1e-4, 1e-4),
-                                {.terrain_slope_sigma_rad = 1e-4});
+                                {.terrain_slope_sigma_rad = 1e-4, .slope_across_sigma_rad = 1e-4});
   ASSERT_TRUE(shot.ok()) << shot.error().message();
   EXPECT_NEAR(shot->height_above_canopy_m.sigma / 10.0, 0.01, 0.0003);
 }
@@ -216,10 +216,15 @@ TEST(RefineShot, FocalUncertaintyCarriesOverOneToOneAtNadir) {
 TEST(RefineShot, ASlopeWidensWhatTheGimbalSays) {
   AttitudePrior prior;
   prior.roll_rad = {0.01, 0.03, 1};
-  const AttitudePrior wide = over_slope(prior, 0.04);
+  const RefineOptions slopes{.terrain_slope_sigma_rad = 0.12, .slope_across_sigma_rad = 0.04};
+  AttitudePrior wide = over_slope(prior, slopes);
   EXPECT_NEAR(wide.roll_rad.value, 0.01, 1e-15);
   EXPECT_NEAR(wide.roll_rad.sigma, 0.05, 1e-15);
   EXPECT_FALSE(wide.pitch_rad.usable());
+  prior.pitch_rad = {-0.2, 0.05, 1};
+  wide = over_slope(prior, slopes);
+  EXPECT_NEAR(wide.pitch_rad.sigma, 0.13, 1e-15);
+  EXPECT_NEAR(wide.roll_rad.sigma, 0.05, 1e-15);
 }
 
 TEST(RefineShot, AMisplacedRowIsLeftOut) {

@@ -77,7 +77,8 @@ TEST_P(Sampling, TruthLiesInsideItsSigmasAsOftenAsClaimed) {
   for (int i = 0; i < kShots; ++i) {
     const Trial t = draw(c, random);
     const auto lines = testing::picture_of(t.world, camera, noise, random.bits());
-    const auto shot = refine_shot(lines, camera, t.field, t.prior, {.terrain_slope_sigma_rad = 0.0});
+    const auto shot = refine_shot(lines, camera, t.field, t.prior,
+                                  {.terrain_slope_sigma_rad = 0.0, .slope_across_sigma_rad = 0.0});
     if (!shot.ok()) continue;
     ++answered;
     height.push_back(shot->height_above_canopy_m), true_height.push_back(t.world.height_above_canopy_m);

@@ -71,8 +71,11 @@ TEST_F(ProjectTest, TheOutlinesRiseMayBeNegativeAndComesWithItsSigma) {
   EXPECT_EQ(given->field.outline_rise_m.value, -0.02);
   EXPECT_EQ(given->field.outline_rise_m.sigma, 0.01);
   EXPECT_EQ(given->slope_sigma_deg, 0.5);
+  EXPECT_EQ(given->slope_across_sigma_deg, 3.0);
   EXPECT_EQ(with_rows("slope_sigma_deg: 3")->slope_sigma_deg, 3.0);
+  EXPECT_EQ(with_rows("slope_across_sigma_deg: 1")->slope_across_sigma_deg, 1.0);
   EXPECT_FALSE(with_rows("slope_sigma_deg: 0").ok());
+  EXPECT_FALSE(with_rows("slope_across_sigma_deg: 0").ok());
   EXPECT_FALSE(with_rows("outline_rise_m: 0.02").ok());
   EXPECT_FALSE(with_rows("outline_rise_m: 0.02, outline_rise_sigma_m: -1").ok());
 }

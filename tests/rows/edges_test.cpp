@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "furrow/base/random.h"
@@ -75,16 +76,35 @@ TEST(FieldThrough, MeetsThePointAndKeepsItsRows) {
   EXPECT_NEAR(field.u_at(kHeight - 1.0, 1.0), 560.0, 1e-9);
 }
 
-/// A canopy seen from low above: soil beside the followed row, then nothing but leaves, whose light drops at
-/// each far edge and grows again to the next. `spacing` is the tops', in row numbers of field_of_map.
-GreenMap low_view(double spacing, double half_width, double contrast) {
+/// The field of a picture is that of the picture levelled by `tilt` more, sheared back.
+TEST(Relevelled, TheFollowedRowStaysWhereItIs) {
+  constexpr double kTilt = -0.08, kMiddle = 0.5 * (kWidth - 1), kStep = 1e-4;
   const PlanarField field = field_of_map();
+  const auto level = relevelled(field, kTilt, kMiddle);
+  ASSERT_TRUE(level.has_value());
+  const auto place = [&](double k, double v) {
+    const double u = field.u_at(v, k);
+    return level->k_at(u, v - kTilt * (u - kMiddle));
+  };
+  for (const double v : {0.0, 200.0, 450.0}) {
+    EXPECT_NEAR(place(0.0, v), 0.0, 1e-9) << v;
+    EXPECT_NEAR(place(kStep, v) / kStep, 1.0, 1e-3) << v;
+    EXPECT_NEAR(place(2.0, v), place(2.0, 300.0), 1e-9) << v;  // still one line through the meeting point
+    EXPECT_GT(std::abs(place(2.0, v) - 2.0), 0.1) << v;
+  }
+}
+
+/// A canopy seen from low above: soil beside the followed row, then nothing but leaves, whose light drops at
+/// each far edge and grows again to the next. `spacing` is the tops', in row numbers of field_of_map; the
+/// tops' plane is that of the picture levelled by `tilt`.
+GreenMap low_view(double spacing, double half_width, double contrast, double tilt = 0.0) {
+  const PlanarField field = *relevelled(field_of_map(), tilt, 0.5 * (kWidth - 1));
   base::Random random(6);
   GreenMap map;
   map.width = kWidth, map.height = kHeight;
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
-      const double k = std::abs(field.k_at(u, v)) / spacing;
+      const double k = std::abs(field.k_at(u, v - tilt * (u - 0.5 * (kWidth - 1)))) / spacing;
       const bool soil = k > half_width && k < 0.45;
       const double phase = k - half_width - std::floor(k - half_width);
       const double light = k < half_width ? 1.0 : std::min(1.0, phase / (1.0 - 2.0 * half_width));
@@ -119,9 +139,11 @@ std::vector<RowLine> rows_of(double spacing, double half_width) {
 TEST(Tops, LightTellsTheirSpacingAndFarEdges) {
   constexpr double kHalfWidth = 0.2;
   for (const double spacing : {0.8, 1.0, 1.25}) {
-    const auto tops = find_tops(low_view(spacing, kHalfWidth, 0.5), CommonModel(field_of_map()), 0.0,
-                                rows_of(spacing, kHalfWidth));
+    const FoundTops found = find_tops(low_view(spacing, kHalfWidth, 0.5), CommonModel(field_of_map()), 0.0,
+                                      rows_of(spacing, kHalfWidth));
+    const auto& tops = found.comb;
     ASSERT_TRUE(tops.has_value()) << spacing;
+    EXPECT_EQ(found.tilt, 0.0) << spacing;
     EXPECT_NEAR(tops->spacing, spacing, 0.03) << spacing;
     EXPECT_NEAR(tops->middle, 0.0, 1e-6);
     ASSERT_GE(tops->edges.size(), 2U) << spacing;
@@ -132,12 +154,74 @@ TEST(Tops, LightTellsTheirSpacingAndFarEdges) {
   }
 }
 
+// On a slope across, rows on the one side lie ever wider apart and on the other ever closer.
+TEST(Tops, LightTellsATiltOfTheirPlane) {
+  for (const double tilt : {-0.12, -0.06, 0.06, 0.12}) {
+    const FoundTops found =
+        find_tops(low_view(1.0, 0.2, 0.5, tilt), CommonModel(field_of_map()), 0.0, rows_of(1.0, 0.2));
+    EXPECT_NEAR(found.tilt, tilt, 0.015) << tilt;
+  }
+}
+
 TEST(Tops, EvenLeavesTellNothing) {
-  EXPECT_FALSE(find_tops(low_view(1.0, 0.2, 0.0), CommonModel(field_of_map()), 0.0, rows_of(1.0, 0.2)));
-  EXPECT_FALSE(find_tops(GreenMap{}, CommonModel(field_of_map()), 0.0, rows_of(1.0, 0.2)));
+  const auto tops = [](const GreenMap& map) {
+    const FoundTops found = find_tops(map, CommonModel(field_of_map()), 0.0, rows_of(1.0, 0.2));
+    EXPECT_EQ(found.tilt, 0.0);
+    return found.comb;
+  };
+  EXPECT_FALSE(tops(low_view(1.0, 0.2, 0.0)));
+  EXPECT_FALSE(tops(GreenMap{}));
   GreenMap bare = low_view(1.0, 0.2, 0.5);
   std::fill(bare.value.begin(), bare.value.end(), 0.0F);
-  EXPECT_FALSE(find_tops(bare, CommonModel(field_of_map()), 0.0, rows_of(1.0, 0.2)));
+  EXPECT_FALSE(tops(bare));
+}
+
+/// The low view as a picture. Between rows farther off a strip of soil shows, so that the search sees rows.
+Image low_picture(double half_width, double tilt) {
+  const GreenMap map = low_view(1.0, half_width, 0.5, tilt);
+  const PlanarField field = *relevelled(field_of_map(), tilt, 0.5 * (kWidth - 1));
+  Image picture = image::make_image(kWidth, kHeight, 3);
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const auto i = static_cast<std::size_t>(v * kWidth + u);
+      const double k = std::abs(field.k_at(u, v - tilt * (u - 0.5 * (kWidth - 1))));
+      const double beyond = k - half_width - std::floor(k - half_width);
+      const bool soil = map.value[i] == 0.0F || (k > 1.0 && beyond < 0.12);
+      const double light = map.light[i] / 250.0;
+      const std::array colour =
+          soil ? std::array{150.0, 125.0, 95.0} : std::array{55.0 * light, 105.0 * light, 40.0 * light};
+      for (std::size_t c = 0; c < 3; ++c)
+        picture.at(u, v)[c] = static_cast<std::uint8_t>(std::clamp(std::lround(colour[c]), 0L, 255L));
+    }
+  }
+  return picture;
+}
+
+// The gimbal's roll is level against gravity; rows on a slope are not.
+TEST(Tops, RowsOnASlopeAreLevelledByItWhateverRollIsTold) {
+  constexpr double kHalfWidth = 0.2;
+  for (const double tilt : {-0.06, 0.0, 0.06}) {
+    DetectOptions options;
+    options.priors = horizon_at(kMeet.y(), 15.0);
+    options.priors.horizon_slope = 0.0;
+    const RowLines lines = detect(low_picture(kHalfWidth, tilt), options);
+    ASSERT_TRUE(lines.ok()) << lines.reason;
+    EXPECT_NEAR(lines.horizon_slope, tilt, 0.015) << tilt;
+    const PlanarField field = *relevelled(field_of_map(), tilt, 0.5 * (kWidth - 1));
+    int tops = 0;
+    for (const RowLine& row : lines.rows) {
+      for (const RowSample& sample : row.samples) {
+        for (const double u : {sample.top_left_u_px, sample.top_right_u_px}) {
+          const double v = sample.centre_px.y();
+          if (!std::isfinite(u) || field.scale(v) < 0.3) continue;
+          const double far = std::abs(field.k_at(u, v - tilt * (u - 0.5 * (kWidth - 1)))) - kHalfWidth;
+          EXPECT_NEAR(far, std::abs(row.index), 0.08) << tilt << " row " << row.index << " v " << v;
+          ++tops;
+        }
+      }
+    }
+    EXPECT_GT(tops, 40) << tilt;
+  }
 }
 
 // Four rows are summed at once; heights are seldom a multiple.

@@ -92,11 +92,15 @@ struct RefineOptions {
   /// A prior that the picture contradicts by more than this many sigmas of their difference is an error,
   /// contradictory_priors.
   double prior_conflict_sigmas = 5.0;
-  /// One-sigma of the angle between the rows' plane and level ground, along and across the rows: gimbals
-  /// measure against gravity, pictures against the rows. Added to the sigmas of pitch and roll. Default: a
-  /// vineyard terrace or a sown field within half a degree. More over hills; but where a picture shows two or
-  /// three ragged rows only, the gimbal tells the angles better than they do.
+  /// One-sigma of the angle between the rows' plane and level ground along the rows: gimbals measure against
+  /// gravity, pictures against the rows. Added to the sigma of the pitch. Default: a vineyard terrace or a
+  /// sown field within half a degree. More over hills; but where a picture shows two or three ragged rows
+  /// only, the gimbal tells the pitch better than they do.
   double terrain_slope_sigma_rad = 0.0087;
+  /// The same across the rows, added to the sigma of the roll. Default 3 deg: rows along a slope stand on up
+  /// to 10 % without terraces, a sigma of 5 or 6 % if all of that is as likely, and less where fields are
+  /// flat; two rows to each side tell the roll themselves, so that flat ground pays with little.
+  double slope_across_sigma_rad = 0.0524;
   /// A height with a larger sigma than this part of itself is no answer but an error, height_open.
   double largest_relative_sigma = 0.5;
   /// Rows that miss every field of equally spaced rows by more than this many times their sigmas are no rows
@@ -106,8 +110,8 @@ struct RefineOptions {
 };
 
 /// The gimbal's angles against rows on ground that slopes: each sigma grows by the slope's
-/// (RefineOptions::terrain_slope_sigma_rad).
-AttitudePrior over_slope(AttitudePrior prior, double terrain_slope_sigma_rad);
+/// (RefineOptions::terrain_slope_sigma_rad, slope_across_sigma_rad).
+AttitudePrior over_slope(AttitudePrior prior, const RefineOptions& options);
 
 /// Height, attitude and offset of one shot from its row centres and edges in pixels, through the full camera
 /// model, with priors. Rows are prisms with walls, so that an oblique view of a wall does not bias the height

@@ -46,9 +46,9 @@ struct Project {
   double gimbal_pitch_deg = std::numeric_limits<double>::quiet_NaN();
   double gimbal_pitch_sigma_deg = 1.0;  ///< how far the gimbal's pitch may be off, one sigma
   double gimbal_roll_sigma_deg = 1.0;   ///< the same for its roll
-  /// Of the angle between the rows' plane and level ground
-  /// (altitude::RefineOptions::terrain_slope_sigma_rad).
-  double slope_sigma_deg = 0.5;
+  /// Of the angle between the rows' plane and level ground, along and across the rows
+  /// (altitude::RefineOptions::terrain_slope_sigma_rad, slope_across_sigma_rad).
+  double slope_sigma_deg = 0.5, slope_across_sigma_deg = 3.0;
 
   rows::Method rows_method = rows::Method::field;
   altitude::FieldKnowledge field;
