@@ -125,38 +125,43 @@ int edge_count(const std::vector<RowLine>& rows) {
   return count;
 }
 
-/// What the picture shows of the rows, levelled by some slope.
-struct Shape {
+/// The rows of a picture levelled by some slope, and their tops where the rows are straight.
+struct Look {
+  SummedMap map;
+  std::vector<double> sample_v;
   CommonModel model;
   std::vector<RowLine> rows;
-  double tops_explained = 0.0;  ///< FoundTops::explained
-  double tilt = 0.0;            ///< FoundTops::tilt
-  PlanarField looked_through;   ///< where the tops were looked for
+  double tilt = 0.0;  ///< of the rows' own horizon
+  FoundTops tops;
+
+  void shape(const CommonModel& by, int width) {
+    model = by;
+    rows = shaped_rows(map, model, width, sample_v);
+  }
 };
 
-/// Straight rows towards where their edges meet, and the spacing of their tops, when the gimbal's horizon is
-/// known and the rows are straight: along rows that bend or go over hills a straight model loses edges.
-/// `tilt` is dv/du of the rows' own horizon.
-void straighten(const Image& picture, const Priors& priors, double tilt, const SummedMap& map,
-                const std::vector<double>& sample_v, Shape& shape) {
+/// Straight rows towards where their edges meet, and their tops, when the gimbal's horizon is known and the
+/// rows are straight: along rows that bend or go over hills a straight model loses edges.
+void straighten(const Image& picture, const Priors& priors, Look& look) {
   // Of the edges: straight rows of renders kept 0.96 of them and more (one shot in thirty 0.88), rows over
   // hills 0.78 to 0.89.
   constexpr double kLeastKept = 0.9;
-  const auto point = meeting_point(shape.rows, priors, 0.5 * (picture.width - 1));
+  const auto point = meeting_point(look.rows, priors, 0.5 * (picture.width - 1));
   if (!point) return;
-  const CommonModel straight = straightened(shape.model, *point, picture.width, picture.height);
-  std::vector<RowLine> straight_rows = shaped_rows(map, straight, picture.width, sample_v);
-  if (edge_count(straight_rows) < kLeastKept * edge_count(shape.rows)) return;
-  shape.model = straight;
-  shape.rows = std::move(straight_rows);
-  const FoundTops tops = find_tops(map.map(), shape.model, tilt, shape.rows);
-  shape.tops_explained = tops.explained;
-  shape.tilt = tops.tilt;
-  shape.looked_through = shape.model.field();
-  if (!tops.comb) return;
-  shape.model = with_spacing(shape.model, tops.comb->middle, tops.comb->spacing);
-  shape.rows = shaped_rows(map, shape.model, picture.width, sample_v);
-  write_tops(*tops.comb, shape.model.field(), tilt, shape.rows);
+  const CommonModel straight = straightened(look.model, *point, picture.width, picture.height);
+  std::vector<RowLine> straight_rows = shaped_rows(look.map, straight, picture.width, look.sample_v);
+  if (edge_count(straight_rows) < kLeastKept * edge_count(look.rows)) return;
+  look.model = straight;
+  look.rows = std::move(straight_rows);
+  look.tops = find_tops(look.map.map(), look.model, look.tilt, look.rows);
+}
+
+/// Gives the rows the tops' spacing, and the tops.
+void take_tops(int width, Look& look) {
+  const auto& tops = look.tops.comb;
+  if (!tops) return;
+  look.shape(with_spacing(look.model, tops->middle, tops->spacing), width);
+  write_tops(*tops, look.model.field(), look.tilt, look.rows);
 }
 
 /// A search in the picture levelled by a slope of the horizon.
@@ -214,45 +219,47 @@ Searched levelled_by_rows(const Image& picture, const DetectOptions& options, Se
 }
 
 /// `level` is the picture levelled by `slope`, `map` one of it where the search's is as fine as edges need.
-Shape shape_of(const Image& level, double slope, const DetectOptions& options, const GreenMap* map,
-               CommonModel model, double tooth) {
+Look look_at(const Image& level, double slope, const DetectOptions& options, const GreenMap* map,
+             const CommonModel& model, double tooth) {
   const double most_step = slope == 0.0 ? 10.0 : 5.0;  // tilting may double a step
-  const auto sample_v =
-      sample_rows(level.height, std::min({options.sample_step_px, most_step, level.height / 60.0}));
-  const SummedMap fine(leaf_map(map ? *map : green_map(level, options.shape_pixels), model, tooth));
-  Shape shape{std::move(model), {}, 0.0, 0.0, {}};
-  shape.rows = shaped_rows(fine, shape.model, level.width, sample_v);
-  // The gimbal's horizon is level against gravity, the rows' against their plane.
   const double told = options.priors.horizon_slope.value_or(0.0);
-  Priors priors = options.priors;
-  priors.horizon_slope = options.priors.horizon_slope ? told - slope : 0.0;
-  straighten(level, priors, slope == 0.0 ? told : 0.0, fine, sample_v, shape);
-  return shape;
+  Look look{SummedMap(leaf_map(map ? *map : green_map(level, options.shape_pixels), model, tooth)),
+            sample_rows(level.height, std::min({options.sample_step_px, most_step, level.height / 60.0})),
+            model,
+            {},
+            slope == 0.0 ? told : 0.0,
+            {}};
+  look.shape(model, level.width);
+  return look;
 }
 
 /// Rows in the picture levelled by `slope`; where their tops show that the ground slopes across, by that too,
 /// which `slope` then includes.
-Shape shape_on_slope(const Image& picture, const DetectOptions& options, const Searched& searched,
-                     double& slope) {
+Look look_on_slope(const Image& picture, const DetectOptions& options, const Searched& searched,
+                   double& slope) {
   constexpr double kLeastTilt = 0.02;  // a degree
   constexpr int kRounds = 2;
   const double tooth = searched.found->tooth;
   const bool is_fine = std::min(options.shape_pixels, 1.0 * picture.width * picture.height) <= kSearchPixels;
   const Image level = slope == 0.0 ? Image{} : levelled(picture, slope);
-  Shape shape = shape_of(slope == 0.0 ? picture : level, slope, options, is_fine ? &searched.map : nullptr,
-                         CommonModel(*searched.found, searched.map), tooth);
-  for (int round = 0; round < kRounds && std::abs(shape.tilt) > kLeastTilt; ++round) {
-    const double told = slope == 0.0 ? options.priors.horizon_slope.value_or(0.0) : slope;
-    const double next_slope = told + shape.tilt;
-    const auto field = relevelled(shape.looked_through, next_slope - slope, 0.5 * (picture.width - 1));
+  Look look = look_at(slope == 0.0 ? picture : level, slope, options, is_fine ? &searched.map : nullptr,
+                      CommonModel(*searched.found, searched.map), tooth);
+  Priors priors = options.priors;
+  priors.horizon_slope = look.tilt;
+  straighten(picture, priors, look);
+  for (int round = 0; round < kRounds && std::abs(look.tops.tilt) > kLeastTilt; ++round) {
+    const double next_slope = slope + look.tilt + look.tops.tilt;
+    const auto field = relevelled(look.model.field(), next_slope - slope, 0.5 * (picture.width - 1));
     if (!field) break;
-    Shape next =
-        shape_of(levelled(picture, next_slope), next_slope, options, nullptr, CommonModel(*field), tooth);
-    if (next.tops_explained <= shape.tops_explained) break;
+    Look next =
+        look_at(levelled(picture, next_slope), next_slope, options, nullptr, CommonModel(*field), tooth);
+    next.tops = find_tops(next.map.map(), next.model, next.tilt, next.rows);
+    if (next.tops.explained <= look.tops.explained) break;
     slope = next_slope;
-    shape = std::move(next);
+    look = std::move(next);
   }
-  return shape;
+  take_tops(picture.width, look);
+  return look;
 }
 
 }  // namespace
@@ -276,9 +283,9 @@ RowLines detect_field(const Image& picture, const DetectOptions& options) {
   if (!found || found->score < options.least_score)
     return no_rows(lines, searched.score(), options.least_score);
   slope = searched.slope;
-  Shape shape = shape_on_slope(picture, options, searched, slope);
-  lines.rows = std::move(shape.rows);
-  lines.field = shape.model.field();
+  Look look = look_on_slope(picture, options, searched, slope);
+  lines.rows = std::move(look.rows);
+  lines.field = look.model.field();
   lines.vanishing_point_px = lines.field->vanishing_point();
   count_from_followed(lines);
   lines.status = "ok";

@@ -304,11 +304,11 @@ GroundEdges relevelled(const GroundEdges& ground, const Relevelled& place) {
   return edges;
 }
 
-/// Bins of the side that lie beyond the neighbour's near edge.
-Trendless without_trend(const Side& side, const GroundEdges& ground, const Relevelled& place) {
+/// What lies beyond the neighbour's near edge; every `stride`-th bin.
+Trendless without_trend(const Side& side, const GroundEdges& ground, const Relevelled& place, int stride) {
   Trendless light;
   double away_sum = 0.0, sum = 0.0, squares = 0.0, slope = 0.0;
-  for (int i = 0; i < kBins; ++i) {
+  for (int i = 0; i < kBins; i += stride) {
     const double bin = place_of(i - 0.5);
     if (!side.there[static_cast<std::size_t>(i)] || side.direction * (bin - ground.middle) <= 0.0) continue;
     const double away = side.direction * (place(bin).value_or(ground.middle) - ground.middle);
@@ -357,12 +357,14 @@ struct Comb {
 /// neighbour's near edge, at the top or at the foot of a wall, lies at least a width before the top's far
 /// edge; and at least as far as the foot of a wall a little deeper than the camera is high.
 Comb best_comb(const std::array<Side, 2>& sides, const GroundEdges& level, const Relevelled& place,
-               double step) {
+               int stride) {
+  const double step = 0.01 * stride;
   constexpr double kDeepestWall = 1.3, kMostStretch = 2.2;
   const GroundEdges ground = relevelled(level, place);
   const double from = ground.near() + 0.8 * ground.half_width;
   const double to = std::min((1.0 + kDeepestWall) * ground.near() + ground.half_width, kMostStretch);
-  const std::array light = {without_trend(sides[0], ground, place), without_trend(sides[1], ground, place)};
+  const std::array light = {without_trend(sides[0], ground, place, stride),
+                            without_trend(sides[1], ground, place, stride)};
   Comb best;
   best.total = light[0].total + light[1].total;
   for (double s = from; s <= to; s += step) {
@@ -372,20 +374,23 @@ Comb best_comb(const std::array<Side, 2>& sides, const GroundEdges& level, const
   return best;
 }
 
-/// FoundTops::tilt. `level` is the best comb without one.
-double tilt_of_tops(const std::array<Side, 2>& sides, const GroundEdges& ground, const Fan& fan,
-                    const Comb& level) {
+/// FoundTops::tilt.
+double tilt_of_tops(const std::array<Side, 2>& sides, const GroundEdges& ground, const Fan& fan) {
   // One sigma: rows along a slope stand on up to 10 % without terraces, and steeper ones are left to others.
   constexpr double kTiltSigma = 0.1, kMostTilt = 0.16, kStep = 0.02;
   constexpr double kIndependent = 30.0;  // pieces of light, of a quarter of a row number
   constexpr double kLeastGain = 3.0;     // of log likelihood: twenty to one
-  constexpr double kSpacingStep = 0.02;
+  constexpr int kStride = 2;             // bins: a step of tilt moves outer rows by more
   constexpr int kSteps = static_cast<int>(kMostTilt / kStep + 0.5);
+  const auto comb_at = [&](double tilt) {
+    return best_comb(sides, ground, Relevelled(fan, ground.middle, tilt), kStride);
+  };
+  const double total = comb_at(0.0).total;
+  if (!(total > 0.0)) return 0.0;
   std::array<double, 2 * kSteps + 1> scores{};
   for (std::size_t i = 0; i < scores.size(); ++i) {
     const double tilt = (static_cast<int>(i) - kSteps) * kStep;
-    const Comb comb = best_comb(sides, ground, Relevelled(fan, ground.middle, tilt), kSpacingStep);
-    const double left = std::max(1.0 - comb.squares / level.total, 0.05);
+    const double left = std::max(1.0 - comb_at(tilt).squares / total, 0.05);
     scores[i] = -0.5 * kIndependent * std::log(left) - 0.5 * tilt * tilt / (kTiltSigma * kTiltSigma);
   }
   const auto best = static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
@@ -448,10 +453,10 @@ FoundTops find_tops(const GreenMap& map, const CommonModel& model, double tilt,
   if (!fan || !ground) return found;
   const LightByRow light = light_by_row(map, model.field(), *fan);
   const std::array sides = sides_of(light);
-  constexpr double kLeastExplained = 0.2, kSpacingStep = 0.01;
-  const Comb level = best_comb(sides, *ground, Relevelled(*fan, ground->middle, 0.0), kSpacingStep);
+  constexpr double kLeastExplained = 0.2;
+  const Comb level = best_comb(sides, *ground, Relevelled(*fan, ground->middle, 0.0), 1);
   found.explained = level.part();
-  found.tilt = tilt_of_tops(sides, *ground, *fan, level);
+  found.tilt = tilt_of_tops(sides, *ground, *fan);
   if (found.explained > kLeastExplained) found.comb = comb_of(sides, *ground, level.spacing);
   return found;
 }
