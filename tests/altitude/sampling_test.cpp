@@ -93,8 +93,10 @@ TEST_P(Sampling, TruthLiesInsideItsSigmasAsOftenAsClaimed) {
   const auto check = [&](const char* what, const std::vector<Estimate>& estimates,
                          const std::vector<double>& truths) {
     const stats::Coverage coverage = stats::coverage(estimates, truths);
-    // Five points, and twice what 300 shots scatter by chance.
-    EXPECT_NEAR(coverage.within_1_sigma, 0.683, 0.05 + 2.0 * 0.027) << what;
+    // Five points, and twice what 300 shots scatter by chance. Two points more may be on the safe side: feet
+    // of walls are claimed twice as wide as they are drawn (eq. 5.4), and near edges tell the yaw.
+    EXPECT_GT(coverage.within_1_sigma, 0.683 - 0.05 - 2.0 * 0.027) << what;
+    EXPECT_LT(coverage.within_1_sigma, 0.683 + 0.07 + 2.0 * 0.027) << what;
     EXPECT_NEAR(coverage.within_2_sigma, 0.954, 0.05) << what;
     std::printf("%-22s %-8s within 1 sigma %.3f, 2 sigma %.3f\n", c.name, what, coverage.within_1_sigma,
                 coverage.within_2_sigma);

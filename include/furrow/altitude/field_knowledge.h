@@ -56,13 +56,13 @@ inline constexpr double kLeafReach_m = 0.12;
 inline double leaf_reach_m(double half_width_m) {
   return std::min(half_width_m, kLeafReach_m);
 }
-/// Highest points of outlines lay over the named top by 0.4 leaves (0.05 m) where that is the highest leaf,
-/// 1.0 in Furrow's renders, 2.8 where it is the mean of the leaves first hit from above (section 8). Of the
+/// Highest points of outlines lay over the named top by 0.3 leaves (0.04 m) where that is the highest leaf,
+/// 1.1 in Furrow's renders, 2.6 where it is the mean of the leaves first hit from above (section 8). Of the
 /// middle one, which is half a width deep, the rounding makes (1 - pi/4) 0.3 m = 0.06 m and this is the rest,
 /// that of ragged leaves.
 inline constexpr double kOutlineRisePerLeaf = 0.6;
 /// One-sigma of that: firm outlines rise by 0 (smooth walls) to 0.8 leaves (Furrow's ragged but opaque
-/// renders); where leaves thin out, the highest one and the mean of those first hit lie 5 to 10 times that
+/// renders); where leaves thin out, the highest one and the mean of those first hit lie 5 to 13 times that
 /// length apart; never more than a leaf and a quarter.
 inline constexpr double kFirmOutlineRiseSigmaPerLeaf = 0.4;
 inline constexpr double kOutlineRiseSigmaPerSoftness = 2.5;
