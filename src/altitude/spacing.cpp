@@ -97,9 +97,9 @@ double yaw_at_pitch(const std::vector<EdgeLine>& lines, double theta) {
 }
 
 GimbalAngles start_angles(const std::vector<EdgeLine>& lines, const RowDirectionFit& fit,
-                          const GimbalPrior& prior, bool parallel) {
+                          const GimbalPrior& prior, bool parallel, double lambda) {
   GimbalAngles start;
-  start.lambda = prior.lambda.value;
+  start.lambda = lambda;
   if (parallel) {
     start.theta = prior.theta.value;
     start.psi = yaw_at_pitch(lines, start.theta);
@@ -270,6 +270,20 @@ void start_slopes(const std::vector<EdgeLine>& lines, const RowAxes<double>& axe
   x[kPencilG] = -ratio * x[kPencilB];
 }
 
+/// Misfit of lines to the straight line of their start, in squares of what rows stray by, each no more than a
+/// line with a wrong index.
+double start_misfit(const std::vector<EdgeLine>& lines, const RowAxes<double>& axes, const PencilVector& x) {
+  constexpr double kStray = 0.03;  // spacings: plants, and a pixel or two
+  constexpr double kMost = 5.0;    // of these
+  double sum = 0.0;
+  for (const EdgeLine& line : lines) {
+    const double wanted = x[kPencilA] + x[kPencilB] * line.row + x[kPencilG] * line.reach;
+    const double off = std::min(std::abs((slope_at(axes, line) - wanted) / x[kPencilB]) / kStray, kMost);
+    sum += off * off;
+  }
+  return sum;
+}
+
 /// Whether a line lies where an edge of its row can lie, within half a spacing (eq. 3.6): at the top edge;
 /// or, for the near edge, from there to the foot of a wall as deep as the spacing, but not before the far
 /// edge of the row in front. Others carry a wrong index.
@@ -413,6 +427,53 @@ Status add_top_depth(std::vector<EdgeLine> lines, const GimbalPrior& prior, cons
   return Done{};
 }
 
+/// Where the adjustment of the pencil starts: lines below the horizon, those of tops, angles and slopes.
+struct PencilStart {
+  std::vector<EdgeLine> lines, tops;
+  RowAxes<double> axes;
+  PencilVector value;
+  double misfit = 0.0;
+};
+
+PencilStart start_at(double lambda, const std::vector<EdgeLine>& all, const RowDirectionFit& direction,
+                     const GimbalPrior& gimbal, bool parallel, const RelativeFarm& farm) {
+  const GimbalAngles angles = start_angles(all, direction, gimbal, parallel, lambda);
+  PencilStart start;
+  start.lines = all;
+  start.axes = row_axes(angles.theta, angles.lambda, angles.psi);
+  std::erase_if(start.lines, [&](const EdgeLine& line) { return !below_horizon(start.axes, line); });
+  start.value << angles.theta, angles.lambda, angles.psi, 0.0, 0.0, 0.0;
+  if (start.lines.empty()) return start;
+  set_reaches(start.lines, start.axes, std::exp(farm.log_top_depth.value));
+  start.tops = pencil_lines(start.lines, start.axes);
+  start_slopes(start.tops, start.axes, farm.width_ratio.value, start.value);
+  start.misfit = start_misfit(start.tops, start.axes, start.value);
+  return start;
+}
+
+/// Starts from the gimbal's roll, unless another within three of its sigmas suits the rows clearly better: on
+/// ground that slopes across, steps between rows grow to the one side and shrink to the other, and their
+/// median, and which lines carry a wrong index, are off (eq. 3.12).
+PencilStart best_start(const std::vector<EdgeLine>& lines, const RowDirectionFit& direction,
+                       const GimbalPrior& gimbal, bool parallel, const RelativeFarm& farm) {
+  constexpr double kStep = deg_to_rad(1.5), kMostSigmas = 3.0, kLeastGain = 10.0;
+  const auto& [told, sigma, observations] = gimbal.lambda;
+  PencilStart best = start_at(told, lines, direction, gimbal, parallel, farm);
+  const int rows = distinct_rows(best.lines);
+  if (rows < 3 || !(std::abs(best.value[kPencilPsi]) < kMaxYaw)) return best;
+  double least = best.misfit - kLeastGain;
+  const int steps = static_cast<int>(kMostSigmas * sigma / kStep);
+  for (int i = -steps; i <= steps; ++i) {
+    const double off = i * kStep;
+    PencilStart one = start_at(told + off, lines, direction, gimbal, parallel, farm);
+    const double misfit = one.misfit + off * off / (sigma * sigma);
+    if (distinct_rows(one.lines) < rows || !(misfit < least)) continue;
+    least = misfit;
+    best = std::move(one);
+  }
+  return best;
+}
+
 /// `may_be_one`: a row alone, row 0, will do.
 Result<std::vector<EdgeLine>> usable_lines(const RowsOnUnitPlane& rows, bool may_be_one) {
   for (const RowsOnUnitPlane::Row& row : rows.rows) {
@@ -465,25 +526,24 @@ Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& fie
     return degenerate("no_pitch", "rows that are parallel in the picture, and no pitch prior",
                       "a pitch from the gimbal");
   }
-  const GimbalAngles start = start_angles(lines, direction, gimbal, parallel);
-  if (!(std::abs(start.psi) < kMaxYaw)) {
-    return degenerate("rows_across",
-                      "rows at " + base::format_fixed(geom::rad_to_deg(start.psi), 1) + " deg to the camera",
-                      "rows within 60 deg of the viewing direction");
+  const RelativeFarm farm = relative_farm(field);
+  const PencilStart start = best_start(lines, direction, gimbal, parallel, farm);
+  if (!(std::abs(start.value[kPencilPsi]) < kMaxYaw)) {
+    return degenerate(
+        "rows_across",
+        "rows at " + base::format_fixed(geom::rad_to_deg(start.value[kPencilPsi]), 1) + " deg to the camera",
+        "rows within 60 deg of the viewing direction");
   }
-  const RowAxes<double> axes = row_axes(start.theta, start.lambda, start.psi);
-  std::erase_if(lines, [&](const EdgeLine& line) { return !below_horizon(axes, line); });
+  lines = start.lines;
   const int needed = is_alone ? 1 : 2;
   if (distinct_rows(lines) < needed) {
     return degenerate("camera_along_horizon", "fewer than two rows below the horizon of the rows' plane",
                       "a camera that looks down on the rows");
   }
-  const RelativeFarm farm = relative_farm(field);
-  set_reaches(lines, axes, std::exp(farm.log_top_depth.value));
-  std::vector<EdgeLine> tops = pencil_lines(lines, axes);
+  const RowAxes<double>& axes = start.axes;
+  std::vector<EdgeLine> tops = start.tops;
   Pencil pencil;
-  pencil.value << start.theta, start.lambda, start.psi, 0.0, 0.0, 0.0;
-  start_slopes(tops, axes, farm.width_ratio.value, pencil.value);
+  pencil.value = start.value;
   const auto misplaced = [&](const EdgeLine& line) {
     return !lies_at_its_row(line, slope_at(axes, line), pencil.value);
   };

@@ -227,6 +227,29 @@ TEST(RefineShot, ASlopeWidensWhatTheGimbalSays) {
   EXPECT_NEAR(wide.roll_rad.sigma, 0.05, 1e-15);
 }
 
+// Low over ground that slopes by 10 % along and across, steps between rows grow to the one side: started with
+// the gimbal's roll, rows were taken for miscounted and the height for up to twice the true one.
+TEST(RefineShot, ASteepSlopeDoesNotMisplaceRows) {
+  const Camera camera = testing::thesis_camera();
+  base::Random random(11);
+  RefineOptions options;
+  options.terrain_slope_sigma_rad = deg_to_rad(3.0);
+  for (int i = 0; i < 16; ++i) {
+    World world = low_vineyard();
+    world.height_above_canopy_m = random.uniform(1.2, 1.5);
+    world.cross_track_m = random.uniform(-1.0, 1.0);
+    world.rounding_m = 0.3, world.softness_m = 0.03;
+    const auto lines = testing::picture_of(world, camera, {.edge_sigma_px = 1.0}, random.bits());
+    AttitudePrior prior = testing::prior_of(world, deg_to_rad(1.0), deg_to_rad(1.0));
+    prior.pitch_rad.value += deg_to_rad(i % 4 < 2 ? -5.7 : 5.7);
+    prior.roll_rad.value += deg_to_rad(i % 2 == 0 ? -5.7 : 5.7);
+    const auto shot = refine_shot(lines, camera, testing::knowledge_of(world, 0.01), prior, options);
+    ASSERT_TRUE(shot.ok()) << i << " " << shot.error().message();
+    EXPECT_NEAR(shot->height_above_canopy_m.value / world.height_above_canopy_m, 1.0, 0.04) << i;
+    EXPECT_NEAR(shot->roll_rad.value, world.attitude.roll_rad, deg_to_rad(1.0)) << i;
+  }
+}
+
 TEST(RefineShot, AMisplacedRowIsLeftOut) {
   const World world = low_vineyard();
   const Camera camera = testing::thesis_camera();

@@ -25,6 +25,7 @@ struct Case {
   double pitch_deg;
   double correlation;
   bool leaf_against_leaf = true;
+  double slope_across_deg = 0.0;  ///< one sigma of the ground's slope, which the gimbal knows nothing of
 };
 
 Estimate drawn(double truth, double sigma, base::Random& random) {
@@ -54,13 +55,14 @@ Trial draw(const Case& c, base::Random& random) {
   t.field.growth_sigma_m = 0.03;
   t.prior.pitch_rad = drawn(t.world.attitude.pitch_rad, deg_to_rad(1.0), random);
   t.prior.roll_rad = drawn(t.world.attitude.roll_rad, deg_to_rad(0.5), random);
+  if (c.slope_across_deg > 0.0) t.prior.roll_rad.value += deg_to_rad(random.normal(0.0, c.slope_across_deg));
   return t;
 }
 
 class Sampling : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Sampling, TruthLiesInsideItsSigmasAsOftenAsClaimed) {
-  constexpr int kShots = 300;  // 1500 over the five cases
+  constexpr int kShots = 300;  // 1800 over the six cases
   const Case c = GetParam();
   const Camera camera = testing::thesis_camera();
   base::Random random(20240611);
@@ -72,13 +74,15 @@ TEST_P(Sampling, TruthLiesInsideItsSigmasAsOftenAsClaimed) {
                     .growth_sigma_m = 0.03,
                     .foot_anywhere = true,
                     .leaf_against_leaf = c.leaf_against_leaf};
+  RefineOptions options;
+  options.terrain_slope_sigma_rad = 0.0;
+  options.slope_across_sigma_rad = deg_to_rad(c.slope_across_deg);
   double worst = 0.0, squares = 0.0;
   int answered = 0;
   for (int i = 0; i < kShots; ++i) {
     const Trial t = draw(c, random);
     const auto lines = testing::picture_of(t.world, camera, noise, random.bits());
-    const auto shot = refine_shot(lines, camera, t.field, t.prior,
-                                  {.terrain_slope_sigma_rad = 0.0, .slope_across_sigma_rad = 0.0});
+    const auto shot = refine_shot(lines, camera, t.field, t.prior, options);
     if (!shot.ok()) continue;
     ++answered;
     height.push_back(shot->height_above_canopy_m), true_height.push_back(t.world.height_above_canopy_m);
@@ -112,6 +116,7 @@ INSTANTIATE_TEST_SUITE_P(Heights, Sampling,
                          ::testing::Values(Case{"3 to 5 m, -13 deg", 1.3, 3.3, -13.0, 0.6},
                                            Case{"3 to 6 m, -20 deg", 1.3, 4.3, -20.0, 0.8},
                                            Case{"4 to 5 m, against soil", 2.0, 3.3, -13.0, 0.6, false},
+                                           Case{"3 to 5 m, slope across", 1.3, 3.3, -13.0, 0.6, true, 3.0},
                                            Case{"8 m, -45 deg", 5.5, 7.0, -45.0, 0.6},
                                            Case{"30 m, nadir", 25.0, 32.0, -90.0, 0.6}));
 
