@@ -243,7 +243,9 @@ TEST(RefineShot, ASteepSlopeDoesNotMisplaceRows) {
     AttitudePrior prior = testing::prior_of(world, deg_to_rad(1.0), deg_to_rad(1.0));
     prior.pitch_rad.value += deg_to_rad(i % 4 < 2 ? -5.7 : 5.7);
     prior.roll_rad.value += deg_to_rad(i % 2 == 0 ? -5.7 : 5.7);
-    const auto shot = refine_shot(lines, camera, testing::knowledge_of(world, 0.01), prior, options);
+    FieldKnowledge field = testing::knowledge_of(world, 0.01);
+    field.foliage_depth_m = field.base_width_ratio = {};
+    const auto shot = refine_shot(lines, camera, field, prior, options);
     ASSERT_TRUE(shot.ok()) << i << " " << shot.error().message();
     EXPECT_NEAR(shot->height_above_canopy_m.value / world.height_above_canopy_m, 1.0, 0.04) << i;
     EXPECT_NEAR(shot->roll_rad.value, world.attitude.roll_rad, deg_to_rad(1.0)) << i;
