@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 
 #include "furrow/base/random.h"
 #include "furrow/rows/detect.h"
@@ -94,41 +95,68 @@ TEST(Relevelled, TheFollowedRowStaysWhereItIs) {
   }
 }
 
-/// A canopy seen from low above: soil beside the followed row, then nothing but leaves, whose light drops at
-/// each far edge and grows again to the next. `spacing` is the tops', in row numbers of field_of_map; the
-/// tops' plane is that of the picture levelled by `tilt`.
-GreenMap low_view(double spacing, double half_width, double contrast, double tilt = 0.0) {
-  const PlanarField field = *relevelled(field_of_map(), tilt, 0.5 * (kWidth - 1));
+/// Log light by the distance from the last far edge, in parts of the tops' spacing.
+using LightOf = std::function<double(double phase)>;
+
+/// A canopy seen from low above: soil beside the followed row, then leaves, and behind every top a `strip` of
+/// soil, in spacings. `spacing` is the tops', in row numbers of field_of_map; the tops' plane is that of the
+/// picture levelled by `tilt`.
+struct LowView {
+  double spacing = 1.0, half_width = 0.2, strip = 0.0, tilt = 0.0;
+  LightOf right, left;
+};
+
+GreenMap draw(const LowView& view) {
+  const PlanarField field = *relevelled(field_of_map(), view.tilt, 0.5 * (kWidth - 1));
   base::Random random(6);
   GreenMap map;
   map.width = kWidth, map.height = kHeight;
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
-      const double k = std::abs(field.k_at(u, v - tilt * (u - 0.5 * (kWidth - 1)))) / spacing;
-      const bool soil = k > half_width && k < 0.45;
-      const double phase = k - half_width - std::floor(k - half_width);
-      const double light = k < half_width ? 1.0 : std::min(1.0, phase / (1.0 - 2.0 * half_width));
+      const double k = field.k_at(u, v - view.tilt * (u - 0.5 * (kWidth - 1))) / view.spacing;
+      const double away = std::abs(k), beyond = away - view.half_width;
+      const double phase = beyond < 0.0 ? 1.0 : beyond - std::floor(beyond);
+      const bool soil = (beyond > 0.0 && away < 0.45) || phase < view.strip;
+      const double light =
+          250.0 * std::exp((k < 0.0 ? view.left : view.right)(phase) + random.normal(0.0, 0.3));
       map.value.push_back(soil ? 0.0F : 0.3F);
-      const double leaf_light = 250.0 * std::exp(contrast * (light - 0.5) + random.normal(0.0, 0.3));
-      map.light.push_back(static_cast<std::uint16_t>(soil ? 500.0 : std::min(3.0 * 255.0, leaf_light)));
+      map.light.push_back(static_cast<std::uint16_t>(soil ? 500.0 : std::min(3.0 * 255.0, light)));
     }
   }
   return map;
 }
 
-std::vector<RowLine> rows_of(double spacing, double half_width) {
+/// Leaves: the light drops at each far edge and grows again to the next.
+LowView leaves(double spacing, double contrast) {
+  LowView view;
+  view.spacing = spacing;
+  const double wall = 1.0 - 2.0 * view.half_width;
+  view.right = view.left = [=](double phase) { return contrast * (std::min(1.0, phase / wall) - 0.5); };
+  return view;
+}
+
+/// Walls and tops of one light each.
+LightOf faces(double half_width, double wall, double top) {
+  return [=](double phase) { return phase < 1.0 - 2.0 * half_width ? wall : top; };
+}
+
+/// `far_edges`: with those of the rows beside the followed one.
+std::vector<RowLine> rows_of(const LowView& view, bool far_edges = false) {
   const PlanarField field = field_of_map();
   std::vector<RowLine> rows;
   for (int k = -2; k <= 2; ++k) {
     RowLine row;
     row.index = k;
     for (double v = 5.0; v < kHeight; v += 10.0) {
+      const auto u_at = [&](double place) { return field.u_at(v, place * view.spacing); };
       RowSample sample;
       sample.centre_px = {field.u_at(v, k), v};
-      if (k == 0) sample.left_u_px = field.u_at(v, -half_width * spacing);
-      if (k == 0) sample.right_u_px = field.u_at(v, half_width * spacing);
-      if (k == -1) sample.right_u_px = field.u_at(v, -0.45 * spacing);
-      if (k == 1) sample.left_u_px = field.u_at(v, 0.45 * spacing);
+      if (k == 0) sample.left_u_px = u_at(-view.half_width);
+      if (k == 0) sample.right_u_px = u_at(view.half_width);
+      if (k == -1) sample.right_u_px = u_at(-0.45);
+      if (k == 1) sample.left_u_px = u_at(0.45);
+      if (far_edges && k == -1) sample.left_u_px = u_at(-(1.0 + view.half_width));
+      if (far_edges && k == 1) sample.right_u_px = u_at(1.0 + view.half_width);
       row.samples.push_back(sample);
     }
     rows.push_back(row);
@@ -136,56 +164,87 @@ std::vector<RowLine> rows_of(double spacing, double half_width) {
   return rows;
 }
 
-TEST(Tops, LightTellsTheirSpacingAndFarEdges) {
-  constexpr double kHalfWidth = 0.2;
-  for (const double spacing : {0.8, 1.0, 1.25}) {
-    const FoundTops found = find_tops(low_view(spacing, kHalfWidth, 0.5), CommonModel(field_of_map()), 0.0,
-                                      rows_of(spacing, kHalfWidth));
-    const auto& tops = found.comb;
-    ASSERT_TRUE(tops.has_value()) << spacing;
-    EXPECT_EQ(found.tilt, 0.0) << spacing;
-    EXPECT_NEAR(tops->spacing, spacing, 0.03) << spacing;
-    EXPECT_NEAR(tops->middle, 0.0, 1e-6);
-    ASSERT_GE(tops->edges.size(), 2U) << spacing;
-    for (const TopEdge& edge : tops->edges) {
-      const double far = spacing * (std::abs(edge.row) + kHalfWidth) * (edge.row < 0 ? -1.0 : 1.0);
-      EXPECT_NEAR(edge.place.value, far, 3.0 * edge.place.sigma) << spacing << " row " << edge.row;
-    }
+FoundTops tops_of(const LowView& view, bool far_edges = false) {
+  return find_tops(draw(view), CommonModel(field_of_map()), 0.0, rows_of(view, far_edges));
+}
+
+void expect_tops(const LowView& view, bool far_edges = false) {
+  const FoundTops found = tops_of(view, far_edges);
+  const double spacing = view.spacing;
+  ASSERT_TRUE(found.comb.has_value()) << spacing;
+  EXPECT_EQ(found.tilt, 0.0) << spacing;
+  EXPECT_NEAR(found.comb->spacing, spacing, 0.03) << spacing;
+  EXPECT_NEAR(found.comb->middle, 0.0, 1e-6);
+  ASSERT_GE(found.comb->edges.size(), 2U) << spacing;
+  for (const TopEdge& edge : found.comb->edges) {
+    const double far = spacing * (std::abs(edge.row) + view.half_width) * (edge.row < 0 ? -1.0 : 1.0);
+    EXPECT_NEAR(edge.place.value, far, 3.0 * edge.place.sigma) << spacing << " row " << edge.row;
   }
 }
 
-// On a slope across, rows on the one side lie ever wider apart and on the other ever closer.
+TEST(Tops, LightTellsTheirSpacingAndFarEdges) {
+  for (const double spacing : {0.8, 1.0, 1.25}) expect_tops(leaves(spacing, 0.5));
+}
+
+// Boxes without leaves: walls have one light, which the sun decides. Seen flatly tops may be darker than any.
+TEST(Tops, FacesOfAnyLightTellThemToo) {
+  LowView view;
+  for (const double spacing : {0.8, 1.0, 1.25}) {
+    view.spacing = spacing;
+    view.right = view.left = faces(view.half_width, 0.2, -0.3);
+    expect_tops(view);
+    view.right = faces(view.half_width, 0.3, 0.0), view.left = faces(view.half_width, -0.4, 0.0);
+    expect_tops(view);
+  }
+}
+
+// With the alleys in view a comb of walls and tops fits in more than one place: far edges against the ground
+// say which.
+TEST(Tops, FarEdgesAgainstTheGroundBoundTheSpacing) {
+  LowView view;
+  view.half_width = 0.15, view.strip = 0.45;
+  for (const double spacing : {0.8, 1.0, 1.25}) {
+    view.spacing = spacing;
+    view.right = view.left = faces(view.half_width, 0.2, -0.3);
+    expect_tops(view, true);
+    view.right = view.left = faces(view.half_width, -0.4, 0.3);
+    expect_tops(view, true);
+  }
+}
+
 TEST(Tops, LightTellsATiltOfTheirPlane) {
   for (const double tilt : {-0.12, -0.06, 0.06, 0.12}) {
-    const FoundTops found =
-        find_tops(low_view(1.0, 0.2, 0.5, tilt), CommonModel(field_of_map()), 0.0, rows_of(1.0, 0.2));
-    EXPECT_NEAR(found.tilt, tilt, 0.015) << tilt;
+    LowView view = leaves(1.0, 0.5);
+    view.tilt = tilt;
+    EXPECT_NEAR(tops_of(view).tilt, tilt, 0.015) << tilt;
   }
 }
 
 TEST(Tops, EvenLeavesTellNothing) {
   const auto tops = [](const GreenMap& map) {
-    const FoundTops found = find_tops(map, CommonModel(field_of_map()), 0.0, rows_of(1.0, 0.2));
+    const FoundTops found = find_tops(map, CommonModel(field_of_map()), 0.0, rows_of(LowView{}));
     EXPECT_EQ(found.tilt, 0.0);
     return found.comb;
   };
-  EXPECT_FALSE(tops(low_view(1.0, 0.2, 0.0)));
+  EXPECT_FALSE(tops(draw(leaves(1.0, 0.0))));
   EXPECT_FALSE(tops(GreenMap{}));
-  GreenMap bare = low_view(1.0, 0.2, 0.5);
+  GreenMap bare = draw(leaves(1.0, 0.5));
   std::fill(bare.value.begin(), bare.value.end(), 0.0F);
   EXPECT_FALSE(tops(bare));
 }
 
 /// The low view as a picture. Between rows farther off a strip of soil shows, so that the search sees rows.
-Image low_picture(double half_width, double tilt) {
-  const GreenMap map = low_view(1.0, half_width, 0.5, tilt);
+Image low_picture(double tilt) {
+  LowView view = leaves(1.0, 0.5);
+  view.tilt = tilt;
+  const GreenMap map = draw(view);
   const PlanarField field = *relevelled(field_of_map(), tilt, 0.5 * (kWidth - 1));
   Image picture = image::make_image(kWidth, kHeight, 3);
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
       const auto i = static_cast<std::size_t>(v * kWidth + u);
       const double k = std::abs(field.k_at(u, v - tilt * (u - 0.5 * (kWidth - 1))));
-      const double beyond = k - half_width - std::floor(k - half_width);
+      const double beyond = k - view.half_width - std::floor(k - view.half_width);
       const bool soil = map.value[i] == 0.0F || (k > 1.0 && beyond < 0.12);
       const double light = map.light[i] / 250.0;
       const std::array colour =
@@ -199,12 +258,11 @@ Image low_picture(double half_width, double tilt) {
 
 // The gimbal's roll is level against gravity; rows on a slope are not.
 TEST(Tops, RowsOnASlopeAreLevelledByItWhateverRollIsTold) {
-  constexpr double kHalfWidth = 0.2;
   for (const double tilt : {-0.06, 0.0, 0.06}) {
     DetectOptions options;
     options.priors = horizon_at(kMeet.y(), 15.0);
     options.priors.horizon_slope = 0.0;
-    const RowLines lines = detect(low_picture(kHalfWidth, tilt), options);
+    const RowLines lines = detect(low_picture(tilt), options);
     ASSERT_TRUE(lines.ok()) << lines.reason;
     EXPECT_NEAR(lines.horizon_slope, tilt, 0.015) << tilt;
     const PlanarField field = *relevelled(field_of_map(), tilt, 0.5 * (kWidth - 1));
@@ -214,7 +272,8 @@ TEST(Tops, RowsOnASlopeAreLevelledByItWhateverRollIsTold) {
         for (const double u : {sample.top_left_u_px, sample.top_right_u_px}) {
           const double v = sample.centre_px.y();
           if (!std::isfinite(u) || field.scale(v) < 0.3) continue;
-          const double far = std::abs(field.k_at(u, v - tilt * (u - 0.5 * (kWidth - 1)))) - kHalfWidth;
+          const double far =
+              std::abs(field.k_at(u, v - tilt * (u - 0.5 * (kWidth - 1)))) - LowView{}.half_width;
           EXPECT_NEAR(far, std::abs(row.index), 0.08) << tilt << " row " << row.index << " v " << v;
           ++tops;
         }
