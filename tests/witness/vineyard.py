@@ -12,14 +12,14 @@ with what the plants measure from above.
 """
 import argparse, math, os, random, subprocess, sys
 from concurrent.futures import ThreadPoolExecutor
+from flight import FLIGHTS, Farm, Lens, axes, cross, shots_of, write_log, write_project, write_truth
 
-W, H = 1280, 720
-FX, FY, CX, CY = 874.33, 872.39, 640.49, 360.81
+LENS = Lens()
+W, H, FX, FY, CX, CY = LENS.width, LENS.height, LENS.fx, LENS.fy, LENS.cx, LENS.cy
 SPACING, HALF, HEIGHT = 3.0, 0.60, 1.70
 LEAF = 0.055           # radius, m
 PLANT = 1.0            # length of row per plant, m
 VARIANTS = 10
-LOG_HZ, FEET = 10, 3.28084
 
 
 def half_width_at(shape, z):
@@ -107,10 +107,6 @@ def make_plants(shape, rng, top):
     rng.setstate(state)
     plants = [leaves_of(shape, rng, scale_w, scale_h, 0.03) for _ in range(VARIANTS)]
     return plants, measured_edges(plants)
-
-
-def cross(a, b):
-    return (a[1]*b[2]-a[2]*b[1], a[2]*b[0]-a[0]*b[2], a[0]*b[1]-a[1]*b[0])
 
 
 def vec(v):
@@ -208,43 +204,6 @@ def scene_text(shape, rng, top):
     return "\n".join(text), measured, strip
 
 
-FLIGHTS = {  # legs of (height above ground at start and end, pitch)
-    "345": [(3, 3, -12.4), (4, 4, -13.8), (5, 5, -13.8)],
-    "climb": [(3, 6, -20)],
-    "oblique8": [(8, 8, -45)],
-    "nadir30": [(30, 30, -90)],
-}
-
-
-def shots_of(flight, count, rng):
-    """Poses with a slow wander; 1 m between shots along the rows, at most 40 m of them."""
-    shots = []
-    legs = FLIGHTS[flight]
-    phase = [rng.uniform(0, 6.28) for _ in range(10)]
-    def wave(i, k, sigma):
-        return sigma * (math.sin(0.9 * i + phase[k]) + math.sin(0.37 * i + phase[k + 1]))
-    total = count * len(legs)
-    for leg, (h0, h1, pitch) in enumerate(legs):
-        for s in range(count):
-            i = leg * count + s
-            f = s / max(1, count - 1)
-            tilt = wave(i, 6, .15)
-            shots.append(dict(x=i * min(1.0, 40.0 / total), y=wave(i, 0, .16), z=h0 + f * (h1 - h0) + wave(i, 2, .05),
-                              yaw=wave(i, 4, 1.5), roll=wave(i, 8, .4),
-                              pitch=pitch + tilt if pitch > -89 else -90.0 + abs(tilt)))
-    return shots
-
-
-def axes(shot):
-    y, p, r = (math.radians(shot[k]) for k in ("yaw", "pitch", "roll"))
-    f = (math.cos(p) * math.cos(y), math.cos(p) * math.sin(y), math.sin(p))
-    left0 = (-math.sin(y), math.cos(y), 0.0)
-    up0 = cross(f, left0)
-    left = tuple(math.cos(r) * a + math.sin(r) * b for a, b in zip(left0, up0))
-    up = tuple(-math.sin(r) * a + math.cos(r) * b for a, b in zip(left0, up0))
-    return f, tuple(-a for a in left), tuple(-a for a in up)  # forward, right, down
-
-
 def camera_text(shot):
     f, right, down = axes(shot)
     ox, oy = (W / 2 - 0.5 - CX) / FX, (H / 2 - 0.5 - CY) / FY
@@ -252,60 +211,6 @@ def camera_text(shot):
     triple = "<%.9f,%.9f,%.9f>"
     return (f"camera {{ perspective location {triple} direction {triple} right {triple} up {triple} }}"
             % (shot["x"], shot["y"], shot["z"], *d, *(a * W / FX for a in right), *(-a * H / FY for a in down)))
-
-
-def write_log(out, shots, rng):
-    """AirData's columns, 10 rows a second, a shot every two: logged pitch is the true one + 0.7 deg, logged roll the
-    true one - 0.3 deg, the barometer drifts by 0.5 m, the downward sensor sees leaves half of the time."""
-    names = ["time(millisecond)", "datetime(utc)", "latitude", "longitude", "height_above_takeoff(feet)",
-             "altitude_above_seaLevel(feet)", "height_sonar(feet)", "speed(mph)", "satellites", "gpslevel",
-             " compass_heading(degrees)", " pitch(degrees)", " roll(degrees)", "isPhoto", "isVideo",
-             "gimbal_heading(degrees)", "gimbal_pitch(degrees)", "gimbal_roll(degrees)", "flycState", "message"]
-    start_s, step_s = 2.0, 2.0
-    lines, gust = [",".join(names)], 0.0
-    count = int((len(shots) - 1) * step_s * LOG_HZ) + 40
-    for i in range(count):
-        t = i / LOG_HZ
-        at = min(max((t - start_s) / step_s, 0), len(shots) - 1)
-        k = min(int(at), max(0, len(shots) - 2))
-        a, b = shots[k], shots[min(k + 1, len(shots) - 1)]
-        v = {c: a[c] + (at - k) * (b[c] - a[c]) for c in a}
-        gust = 0.97 * gust + math.sqrt(1 - 0.97 ** 2) * rng.gauss(0, .1)
-        height = round((v["z"] + 0.5 * i / count + gust) * 10) / 10
-        sonar = round(min(v["z"] - (HEIGHT if rng.random() < .5 else 0) + rng.gauss(0, .03), 10) * 10) / 10
-        is_shot = t >= start_s and abs(at - round(at)) < 1e-6 and at * step_s + start_s >= t - 1e-6
-        second = 10 + int(t)
-        lines.append(",".join([
-            str(int(1000 * t)), "2024-06-18 08:%02d:%02d" % (41 + second // 60, second % 60),
-            "%.9f" % (38.35 + (v["x"] + rng.gauss(0, .1)) / 111000.0),
-            "%.9f" % (28.51 - (v["y"] + rng.gauss(0, .1)) / (111320.0 * math.cos(math.radians(38.35)))),
-            "%.4f" % (height * FEET), "%.4f" % ((height + 190) * FEET), "%.4f" % (sonar * FEET), "1.1", "17", "5",
-            "%.1f" % (-v["yaw"] % 360), "0.3", "0.2", str(int(is_shot)), "0", "%.1f" % (-v["yaw"] % 360),
-            "%.1f" % (v["pitch"] + 0.7 + rng.gauss(0, .1)), "%.1f" % (v["roll"] - 0.3 + rng.gauss(0, .1)),
-            "P-GPS", ""]))
-    open(os.path.join(out, "airdata.csv"), "w").write("\n".join(lines) + "\n")
-
-
-def write_truth(out, shots):
-    rows = ["shot_id,image,height_above_ground_m,height_above_canopy_m,pitch_deg,roll_deg,yaw_deg,cross_track_m,"
-            "nearest_row,row_spacing_m,half_width_m,row_height_m"]
-    for i, s in enumerate(shots, 1):
-        rows.append("shot-%04d,frames/shot-%04d.jpg,%.5f,%.5f,%.5f,%.5f,%.5f,%.5f,0,%g,%g,%g"
-                    % (i, i, s["z"], s["z"] - HEIGHT, s["pitch"], s["roll"], s["yaw"], s["y"], SPACING, HALF, HEIGHT))
-    open(os.path.join(out, "truth.csv"), "w").write("\n".join(rows) + "\n")
-
-
-def write_project(out, name):
-    matrix = "!!opencv-matrix\n   rows: %d\n   cols: %d\n   dt: d\n   data: [ %s ]\n"
-    open(os.path.join(out, "camera_true.yaml"), "w").write(
-        "%YAML:1.0\n---\n" + "image_width: %d\nimage_height: %d\ncamera_matrix: " % (W, H)
-        + matrix % (3, 3, "%g, 0, %g, 0, %g, %g, 0, 0, 1" % (FX, CX, FY, CY))
-        + "distortion_model: plumb_bob\ndistortion_coefficients: " + matrix % (5, 1, "0, 0, 0, 0, 0"))
-    open(os.path.join(out, "project.yaml"), "w").write(
-        "name: %s\ncamera: { model: camera_true.yaml }\nshots: { images: frames/*.jpg }\n"
-        "telemetry: { file: airdata.csv }\n"
-        "rows: { spacing_m: %g, spacing_sigma_m: 0.03, half_width_m: %g, height_m: %g }\n"
-        % (name, SPACING, HALF, HEIGHT))
 
 
 def render(out, i, shot):
@@ -344,9 +249,10 @@ def main():
     text, (width, height), strip = scene_text(args.shape, rng, args.top)
     open(os.path.join(args.out, "work", "scene.inc"), "w").write(text)
     shots = shots_of(args.flight, args.shots, rng)
-    write_truth(args.out, shots)
-    write_project(args.out, "witness-%s-%s-%d" % (args.shape, args.flight, args.seed))
-    write_log(args.out, shots, rng)
+    farm = Farm(SPACING, HALF, HEIGHT)
+    write_truth(args.out, shots, farm)
+    write_project(args.out, "witness-%s-%s-%d" % (args.shape, args.flight, args.seed), farm, LENS)
+    write_log(args.out, shots, rng, farm)
     open(os.path.join(args.out, "README.txt"), "w").write(
         "POV-Ray, shape %s, top %s, flight %s, seed %d. Seen from above the plants measure: half width %.3f m (half "
         "coverage), mean first hit %.3f m (nominal %.2f and %.2f). Strip half width %.2f m.\n"
@@ -355,4 +261,5 @@ def main():
         list(pool.map(lambda x: render(args.out, *x), enumerate(shots)))
 
 
-main()
+if __name__ == "__main__":
+    main()
