@@ -66,6 +66,34 @@ Estimate with_positive_sigma(Estimate e) {
   return e;
 }
 
+/// The rise of a canopy as ragged as leaves make it (eq. 8.8).
+Estimate ragged_rise(const CanopyShape& shape) {
+  // The mean height of half an ellipse of depth r is pi/4 r; of a box it is r, of a gable r/2.
+  const double over_mean_m = (1.0 - geom::kPi / 4.0) * shape.rounding_m;
+  const double by_shape_m = 0.5 * kUniformSigma * shape.rounding_m;
+  const double sigma_m = ragged_rise_sigma_m(shape.half_width_m, shape.softness_m);
+  return {kOutlineRisePerLeaf * leaf_reach_m(shape.half_width_m) + over_mean_m,
+          std::hypot(sigma_m, by_shape_m), 0};
+}
+
+/// The rise of a smooth surface, whose top is beyond doubt (eq. 8.10): 0 over a round one; over a flat one
+/// the ellipse, which the prior keeps from being flat, lifts its highest point by most of its depth.
+Estimate smooth_rise(const CanopyShape& shape) {
+  constexpr double kLifted = 0.7;     // (w - W(t)) / t over r, for t of 1 to 2
+  constexpr double kFlatUpTo = 0.7;   // half widths: no flat top passes for a deeper ellipse
+  constexpr double kOpenUpTo = 0.35;  // half widths: shallower ones may be flat or round alike
+  const double deepest_m = kFlatUpTo * shape.half_width_m;
+  const double flat_part = std::max(0.0, 1.0 - shape.rounding_m / deepest_m);
+  const double open_m = std::min(shape.rounding_m, kOpenUpTo * shape.half_width_m);
+  return {kLifted * shape.rounding_m * flat_part, 0.5 * kLifted * open_m, 0};
+}
+
+/// How far the outline is as ragged as leaves make it, 0 to 1 (eq. 8.9).
+double raggedness(const CanopyShape& shape) {
+  if (!std::isfinite(shape.roughness_m)) return 1.0;
+  return std::min(1.0, shape.roughness_m / (kRaggedPerHalfWidth * shape.half_width_m));
+}
+
 }  // namespace
 
 Result<Farm> complete_farm(const FieldKnowledge& field) {
@@ -112,12 +140,11 @@ Result<Farm> complete_farm(const FieldKnowledge& field) {
 
 Estimate outline_rise(const FieldKnowledge& field, const CanopyShape& shape) {
   if (field.outline_rise_m.usable()) return field.outline_rise_m;
-  // The mean height of half an ellipse of depth r is pi/4 r; of a box it is r, of a gable r/2 (eq. 8.8).
-  const double over_mean_m = (1.0 - geom::kPi / 4.0) * shape.rounding_m;
-  const double by_shape_m = 0.5 * kUniformSigma * shape.rounding_m;
-  const double ragged_m = kOutlineRisePerLeaf * leaf_reach_m(shape.half_width_m);
-  const double sigma_m = ragged_rise_sigma_m(shape.half_width_m, shape.softness_m);
-  return {ragged_m + over_mean_m, std::hypot(sigma_m, by_shape_m), 0};
+  const Estimate ragged = ragged_rise(shape);
+  const Estimate smooth = field.rounding_m.usable() ? Estimate{0.0, 0.0, 0} : smooth_rise(shape);
+  const double part = raggedness(shape);
+  return {part * ragged.value + (1.0 - part) * smooth.value,
+          std::hypot(ragged.sigma, (1.0 - part) * smooth.sigma), 0};
 }
 
 Estimate log_rounding(const FieldKnowledge& field, double half_width_m) {

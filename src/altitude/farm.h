@@ -1,4 +1,6 @@
 #pragma once
+#include <limits>
+
 #include "furrow/altitude/field_knowledge.h"
 #include "furrow/base/result.h"
 
@@ -22,6 +24,8 @@ Result<Farm> complete_farm(const FieldKnowledge& field);
 /// What the pictures tell of a canopy's outline.
 struct CanopyShape {
   double half_width_m = 0.0, rounding_m = 0.0, softness_m = 0.0;
+  /// outline_roughness_m; NaN counts as ragged.
+  double roughness_m = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// How far the rows' outline stands above their top (FieldKnowledge::outline_rise_m; eq. 8.7 and 8.8).

@@ -1,6 +1,7 @@
 #include <ceres/ceres.h>
 #include <cmath>
 
+#include "outline_roughness.h"
 #include "shot_system.h"
 
 namespace furrow::altitude {
@@ -111,8 +112,8 @@ RefinedShot describe(const ShotSystem& system, const ShotVector& x, const ShotMa
   };
   shot.rounding_m = part_of_width(kRounding);
   shot.softness_m = part_of_width(kSoftness);
-  const Estimate rise =
-      outline_rise(field, {shot.half_width_m.value, shot.rounding_m.value, shot.softness_m.value});
+  const Estimate rise = outline_rise(
+      field, {shot.half_width_m.value, shot.rounding_m.value, shot.softness_m.value, system.roughness_m});
   shot.outline_rise_m = rise;
   shot.height_above_canopy_m.value += rise.value;
   shot.height_above_canopy_m.sigma = std::hypot(shot.height_above_canopy_m.sigma, rise.sigma);
@@ -154,6 +155,7 @@ Result<PreparedShot> prepare_directions(const RowsOnUnitPlane& directions, const
   shot.rows_left_out = pencil.rows_left_out;
   if (report.usable) shot.rows_left_out += drop_outliers(shot.system, shot.x, options.outlier_chance);
   weigh(shot.system, shot.x);
+  shot.system.roughness_m = outline_roughness_m(directions, shot.x);
   return shot;
 }
 

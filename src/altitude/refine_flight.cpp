@@ -184,6 +184,16 @@ void leave_out_denied(const std::vector<ShotInput>& shots, const FlightOptions& 
   members = std::move(kept);
 }
 
+/// One canopy, one raggedness: the median of what the shots show.
+void share_roughness(std::vector<Member>& members) {
+  std::vector<double> all;
+  for (const Member& member : members)
+    if (std::isfinite(member.shot.system.roughness_m)) all.push_back(member.shot.system.roughness_m);
+  if (all.empty()) return;
+  const double typical = stats::median(all);
+  for (Member& member : members) member.shot.system.roughness_m = typical;
+}
+
 std::vector<Tie> ties_of(const std::vector<Member>& members, const std::vector<ShotInput>& shots,
                          const FlightOptions& options) {
   std::vector<Tie> ties;
@@ -487,6 +497,7 @@ Result<RefinedFlight> refine_flight(const std::vector<ShotInput>& shots, const C
                  "a shot with two or more rows", ""};
   }
   leave_out_denied(shots, options, flight.members, result);
+  share_roughness(flight.members);
   flight.ties = ties_of(flight.members, shots, options);
   flight.shared_priors = shared_priors(farm, shots, options);
   for (const ParameterPrior& prior : flight.shared_priors)

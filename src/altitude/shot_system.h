@@ -34,6 +34,8 @@ struct ShotSystem {
   std::vector<WeightedBlock> blocks;
   std::vector<ParameterPrior> priors;
   RowWander wander;
+  /// Of the outline along the rows (outline_roughness_m).
+  double roughness_m = std::numeric_limits<double>::quiet_NaN();
 
   int block_residuals() const;
 };

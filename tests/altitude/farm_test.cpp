@@ -23,6 +23,23 @@ TEST(Farm, NoOutlineIsRaggedByMoreThanALeafAndAQuarter) {
   EXPECT_NEAR(outline_rise({}, {0.1, 0.0, 0.2}).sigma, 1.25 * 0.1, 1e-12);
 }
 
+// By hand from eq. 8.9 and 8.10.
+TEST(Farm, OverASmoothCanopyNothingRagged) {
+  const double flat = 0.7 * 0.12 * (1.0 - 0.12 / 0.42);
+  const Estimate smooth = outline_rise({}, {0.6, 0.12, 0.0, 0.0});
+  EXPECT_NEAR(smooth.value, flat, 1e-9);
+  EXPECT_NEAR(smooth.sigma, std::hypot(0.4 * 0.12, 0.12 / (2.0 * std::sqrt(12.0)), 0.35 * 0.12), 1e-9);
+  EXPECT_EQ(outline_rise({}, {0.6, 0.9, 0.0, 0.0}).value, 0.0);  // a ridge is its own top
+
+  const double ragged = outline_rise({}, {0.6, 0.12, 0.0}).value;
+  EXPECT_NEAR(outline_rise({}, {0.6, 0.12, 0.0, 0.018}).value, 0.5 * (flat + ragged), 1e-9);
+  EXPECT_NEAR(outline_rise({}, {0.6, 0.12, 0.0, 0.05}).value, ragged, 1e-9);
+
+  FieldKnowledge field;
+  field.rounding_m = {0.12, 0.01, 1};
+  EXPECT_EQ(outline_rise(field, {0.6, 0.12, 0.0, 0.0}).value, 0.0);  // told to be round
+}
+
 TEST(Farm, AToldRiseIsTakenAsTold) {
   FieldKnowledge field;
   field.outline_rise_m = {0.3, 0.035, 1};
