@@ -10,17 +10,17 @@ namespace {
 TEST(Farm, OutlinesAreRaggedByALeafWhateverTheRowsWidth) {
   const Estimate vine = outline_rise({}, {0.6, 0.3, 0.03});
   EXPECT_NEAR(vine.value, 0.6 * 0.12 + 0.2146 * 0.3, 1e-4);
-  EXPECT_NEAR(vine.sigma, std::hypot(0.4 * 0.12 + 2.5 * 0.03, 0.3 / (2.0 * std::sqrt(12.0))), 1e-4);
+  EXPECT_NEAR(vine.sigma, std::hypot(0.4 * 0.12 + 3.5 * 0.03, 0.3 / (2.0 * std::sqrt(12.0))), 1e-4);
   EXPECT_NEAR(outline_rise({}, {0.3, 0.3, 0.03}).value, vine.value, 1e-12);
 
   const Estimate corn = outline_rise({}, {0.1, 0.05, 0.005});
   EXPECT_NEAR(corn.value, 0.6 * 0.1 + 0.2146 * 0.05, 1e-4);
-  EXPECT_NEAR(corn.sigma, std::hypot(0.4 * 0.1 + 2.5 * 0.005, 0.05 / (2.0 * std::sqrt(12.0))), 1e-4);
+  EXPECT_NEAR(corn.sigma, std::hypot(0.4 * 0.1 + 3.5 * 0.005, 0.05 / (2.0 * std::sqrt(12.0))), 1e-4);
 }
 
-TEST(Farm, NoOutlineIsRaggedByMoreThanALeafAndAQuarter) {
-  EXPECT_NEAR(outline_rise({}, {0.6, 0.0, 0.2}).sigma, 1.25 * 0.12, 1e-12);
-  EXPECT_NEAR(outline_rise({}, {0.1, 0.0, 0.2}).sigma, 1.25 * 0.1, 1e-12);
+TEST(Farm, NoOutlineIsRaggedByMoreThanALeafAndAHalf) {
+  EXPECT_NEAR(outline_rise({}, {0.6, 0.0, 0.2}).sigma, 1.5 * 0.12, 1e-12);
+  EXPECT_NEAR(outline_rise({}, {0.1, 0.0, 0.2}).sigma, 1.5 * 0.1, 1e-12);
 }
 
 // By hand from eq. 8.9 and 8.10.
@@ -32,7 +32,7 @@ TEST(Farm, OverASmoothCanopyNothingRagged) {
   EXPECT_EQ(outline_rise({}, {0.6, 0.9, 0.0, 0.0}).value, 0.0);  // a ridge is its own top
 
   const double ragged = outline_rise({}, {0.6, 0.12, 0.0}).value;
-  EXPECT_NEAR(outline_rise({}, {0.6, 0.12, 0.0, 0.018}).value, 0.5 * (flat + ragged), 1e-9);
+  EXPECT_NEAR(outline_rise({}, {0.6, 0.12, 0.0, 0.015}).value, 0.5 * (flat + ragged), 1e-9);
   EXPECT_NEAR(outline_rise({}, {0.6, 0.12, 0.0, 0.05}).value, ragged, 1e-9);
 
   FieldKnowledge field;

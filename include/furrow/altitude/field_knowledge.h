@@ -63,13 +63,14 @@ inline double leaf_reach_m(double half_width_m) {
 inline constexpr double kOutlineRisePerLeaf = 0.6;
 /// One-sigma of that: firm outlines rise by 0 (smooth walls) to 0.8 leaves (Furrow's ragged but opaque
 /// renders); where leaves thin out, the highest one and the mean of those first hit lie 5 to 13 times that
-/// length apart; never more than a leaf and a quarter.
+/// length apart, which evenly spread is 3.5 times it; never more than a leaf and a half.
 inline constexpr double kFirmOutlineRiseSigmaPerLeaf = 0.4;
-inline constexpr double kOutlineRiseSigmaPerSoftness = 2.5;
-inline constexpr double kMostOutlineRiseSigmaPerLeaf = 1.25;
+inline constexpr double kOutlineRiseSigmaPerSoftness = 3.5;
+inline constexpr double kMostOutlineRiseSigmaPerLeaf = 1.5;
 /// Far edges of leaves, rendered by two programs, wander by 0.06 half widths along the rows and more (those
-/// of a trimmed hedge by 0.04), those of smooth solids by less than 0.03: below, leaves add less to the rise.
-inline constexpr double kRaggedPerHalfWidth = 0.06;
+/// of a trimmed hedge by 0.035), those of smooth solids by less than 0.03: below, leaves add less to the
+/// rise.
+inline constexpr double kRaggedPerHalfWidth = 0.05;
 /// One-sigma of the rise of ragged leaves over the top that words name (eq. 8.8).
 inline double ragged_rise_sigma_m(double half_width_m, double softness_m) {
   const double leaf_m = leaf_reach_m(half_width_m);
