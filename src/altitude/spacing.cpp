@@ -456,13 +456,14 @@ PencilStart start_at(double lambda, const std::vector<EdgeLine>& all, const RowD
 /// median, and which lines carry a wrong index, are off (eq. 3.12).
 PencilStart best_start(const std::vector<EdgeLine>& lines, const RowDirectionFit& direction,
                        const GimbalPrior& gimbal, bool parallel, const RelativeFarm& farm) {
-  constexpr double kStep = deg_to_rad(1.5), kMostSigmas = 3.0, kLeastGain = 10.0;
+  constexpr double kStep = deg_to_rad(1.5), kFarthest = deg_to_rad(30.0);
+  constexpr double kMostSigmas = 3.0, kLeastGain = 10.0;
   const auto& [told, sigma, observations] = gimbal.lambda;
   PencilStart best = start_at(told, lines, direction, gimbal, parallel, farm);
   const int rows = distinct_rows(best.lines);
   if (rows < 3 || !(std::abs(best.value[kPencilPsi]) < kMaxYaw)) return best;
   double least = best.misfit - kLeastGain;
-  const int steps = static_cast<int>(kMostSigmas * sigma / kStep);
+  const int steps = static_cast<int>(std::min(kFarthest, kMostSigmas * sigma) / kStep);
   for (int i = -steps; i <= steps; ++i) {
     const double off = i * kStep;
     PencilStart one = start_at(told + off, lines, direction, gimbal, parallel, farm);
