@@ -13,6 +13,10 @@ namespace {
 /// So many others must speak before they can deny a shot.
 constexpr std::size_t kLeastOthers = 3;
 
+/// So far off a right shot is twenty times less likely than one whose rows were miscounted and that fits
+/// then.
+constexpr double kMiscountSigmas = 2.5;
+
 /// A shot's height above the log's level.
 struct Offset {
   std::size_t shot = 0;
@@ -31,6 +35,12 @@ Estimate middle_around(std::span<const Offset> offsets, std::size_t i) {
   const double scatter = stats::mad_sigma(values), claim = stats::median(claimed);
   const double beyond = std::sqrt(std::max(0.0, scatter * scatter - claim * claim));
   return Estimate{stats::median(values), beyond, static_cast<int>(values.size())};
+}
+
+/// Whether twice or half the height would suit the others: every second row was missed, or lines between rows
+/// were counted.
+bool is_miscount(double height_m, double off_m, double sigma_m) {
+  return std::min(std::abs(off_m + height_m), std::abs(off_m - 0.5 * height_m)) < sigma_m;
 }
 
 constexpr const char* kLookAtRows =
@@ -75,11 +85,14 @@ std::vector<std::optional<Error>> denied_shots(const std::vector<AloneShot>& sho
   for (std::size_t k = 0; k < offsets.size(); ++k) {
     const Estimate middle = middle_around(offsets, k);
     const Estimate& own = offsets[k].above_log_m;
-    const double off_m = std::abs(own.value - middle.value);
-    const double limit_m =
-        options.neighbour_conflict_sigmas * std::hypot(own.sigma, middle.sigma, options.log_step_sigma_m);
-    if (off_m > limit_m)
-      errors[offsets[k].shot] = denied_height(shots[offsets[k].shot], middle, off_m, limit_m);
+    const double off_m = own.value - middle.value;
+    const double sigma_m = std::hypot(own.sigma, middle.sigma, options.log_step_sigma_m);
+    const AloneShot& shot = shots[offsets[k].shot];
+    const bool miscount = is_miscount(shot.height_above_canopy_m.value, off_m, sigma_m);
+    const double limit_m = sigma_m * (miscount ? std::min(kMiscountSigmas, options.neighbour_conflict_sigmas)
+                                               : options.neighbour_conflict_sigmas);
+    if (std::abs(off_m) > limit_m)
+      errors[offsets[k].shot] = denied_height(shot, middle, std::abs(off_m), limit_m);
   }
   return errors;
 }

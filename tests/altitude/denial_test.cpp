@@ -24,6 +24,18 @@ TEST(Denial, UnsureNeighboursDoNotHideAMiscount) {
   EXPECT_EQ(found, (std::vector<std::string>{"", "", "denied_by_neighbours", "", "", ""}));
 }
 
+// Seven heights over corn of which one counts every second row: neighbours that scatter leave it within five
+// sigmas, but half of it is what they say.
+TEST(Denial, TwiceTheNeighboursHeightIsAMiscount) {
+  const std::vector<AloneShot> shots = {shot_of(1.10, 0.06, 0.0),  shot_of(1.05, 0.10, 0.0),
+                                        shot_of(2.12, 0.08, -0.1), shot_of(1.15, 0.07, -0.1),
+                                        shot_of(1.34, 0.16, -0.3), shot_of(1.35, 0.07, -0.1)};
+  EXPECT_EQ(codes(shots), (std::vector<std::string>{"", "", "denied_by_neighbours", "", "", ""}));
+  auto right = shots;
+  right[2].height_above_canopy_m.value = 1.75;  // as sure, and half or twice of it is no better
+  EXPECT_EQ(codes(right), std::vector<std::string>(6, ""));
+}
+
 // The same heights, all claimed to 2 cm: nobody can say who is right.
 TEST(Denial, SureNeighboursThatDisagreeDenyNobody) {
   const auto found = codes({shot_of(1.15, 0.02, 0.0), shot_of(0.64, 0.02, 0.0), shot_of(2.11, 0.02, 0.0),

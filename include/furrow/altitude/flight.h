@@ -50,8 +50,9 @@ struct FlightOptions {
   /// within 2.0 times.
   double misfit_over_others = 2.5;
   /// A shot whose own height is farther from what the log's steps make of up to six shots around it than this
-  /// many sigmas (its own, their scatter, log_step_sigma_m) is left out with the status denied_by_neighbours.
-  /// Needs log heights. Raise it for logs that jump between neighbouring shots.
+  /// many sigmas (its own, their scatter, log_step_sigma_m), or than 2.5 of them where half or twice its
+  /// height would suit, is left out with the status denied_by_neighbours. Needs log heights. Raise it for
+  /// logs that jump between neighbouring shots.
   double neighbour_conflict_sigmas = 5.0;
   /// Threads for the work that is done shot by shot; 0: one per core. The result does not depend on it.
   int threads = 0;
