@@ -273,13 +273,14 @@ TopsByLight tops_by_light(const std::array<LightSide, 2>& sides, const std::arra
   }
   const double seen = kLightBin * static_cast<double>(leaves[0].away.size() + leaves[1].away.size());
   const Faces solid = best_faces(leaves, ground, narrow);
-  const Saw other = best_saw(all, ground, narrow, 1);
   found.by_faces = solid.part;
   if (solid.part > kLeastOfFaces && (ground.far || seen > kPeriods * solid.tops.spacing)) {
     found.tops = solid.tops;
-  } else if (other.part() > kLeastOfAll && (ground.far || seen < kPeriods * other.spacing)) {
-    found.tops = TopLight{other.spacing, {false, false}};
+    return found;
   }
+  const Saw other = best_saw(all, ground, narrow, 1);
+  if (other.part() > kLeastOfAll && (ground.far || seen < kPeriods * other.spacing))
+    found.tops = TopLight{other.spacing, {false, false}};
   return found;
 }
 
@@ -290,16 +291,16 @@ TiltByLight tilt_by_light(const std::array<LightSide, 2>& sides, const GroundEdg
   constexpr double kLeastGain = 3.0;     // of log likelihood: twenty to one
   constexpr int kStride = 2;             // bins: a step of tilt moves outer rows by more
   constexpr int kSteps = static_cast<int>(kMostTilt / kStep + 0.5);
-  const auto saw_at = [&](double tilt) {
-    return saw_under(sides, ground, Relevelled(fan, ground.middle, tilt), kStride);
-  };
-  const double total = saw_at(0.0).total;
+  const auto tilt_of = [](std::size_t i) { return (static_cast<int>(i) - kSteps) * kStep; };
+  std::array<Saw, 2 * kSteps + 1> saws;
+  for (std::size_t i = 0; i < saws.size(); ++i)
+    saws[i] = saw_under(sides, ground, Relevelled(fan, ground.middle, tilt_of(i)), kStride);
+  const double total = saws[kSteps].total;
   if (!(total > 0.0)) return {};
-  std::array<double, 2 * kSteps + 1> scores{}, parts{};
-  for (std::size_t i = 0; i < scores.size(); ++i) {
-    const double tilt = (static_cast<int>(i) - kSteps) * kStep;
-    parts[i] = saw_at(tilt).squares / total;
-    const double left = std::max(1.0 - parts[i], 0.05);
+  std::array<double, saws.size()> scores{}, parts{};
+  for (std::size_t i = 0; i < saws.size(); ++i) {
+    parts[i] = saws[i].squares / total;
+    const double left = std::max(1.0 - parts[i], 0.05), tilt = tilt_of(i);
     scores[i] = -0.5 * kIndependent * std::log(left) - 0.5 * tilt * tilt / (kTiltSigma * kTiltSigma);
   }
   const auto best = static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
