@@ -5,8 +5,9 @@
 
 #include "farm.h"
 #include "furrow/altitude/shot_height.h"
+#include "gimbal_prior.h"
+#include "pencil.h"
 #include "row_block.h"
-#include "spacing.h"
 
 namespace furrow::altitude {
 

@@ -29,12 +29,4 @@ struct Pencil {
 Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
                           const AttitudePrior& prior, int least_rows = 2);
 
-/// The priors on theta and lambda that an AttitudePrior means; unusable parts stay unusable. A roll that is
-/// not known becomes level within kUnknownRollSigma.
-struct GimbalPrior {
-  Estimate theta, lambda;
-};
-/// Errors: not_finite, naming the angle.
-Result<GimbalPrior> gimbal_prior(const AttitudePrior& prior);
-
 }  // namespace furrow::altitude
