@@ -108,6 +108,7 @@ PencilStart best_start(const std::vector<EdgeLine>& lines, const RowDirectionFit
   double least = best.misfit - kLeastGain;
   const int steps = static_cast<int>(std::min(kFarthest, kMostSigmas * sigma) / kStep);
   for (int i = -steps; i <= steps; ++i) {
+    if (i == 0) continue;  // the best so far started there
     const double off = i * kStep;
     PencilStart one = start_at(told + off, lines, direction, gimbal, parallel, farm);
     const double misfit = one.misfit + off * off / (sigma * sigma);
