@@ -61,17 +61,15 @@ void add_samples(const sync::Located& located, const std::vector<VisionHeight>& 
 
 /// How far leaves may lie from the top that the farm names: as far, by the same words, as the pictures leave
 /// the outline open; where the farm tells the outline, it says nothing of the leaves below the aircraft.
-std::optional<double> top_sigma_m(const std::vector<VisionHeight>& vision,
-                                  const altitude::FieldKnowledge& field) {
+double top_sigma_m(const std::vector<VisionHeight>& vision, const altitude::FieldKnowledge& field) {
   std::vector<double> sigmas;
   for (const VisionHeight& height : vision) {
     for (const altitude::SigmaShare& share : height.shared)
       if (share.cause == "outline") sigmas.push_back(share.sigma_m);
   }
   if (!sigmas.empty() && !field.outline_rise_m.usable()) return stats::median(sigmas);
-  if (!field.half_width_m.usable()) return std::nullopt;
-  const double w = field.half_width_m.value;
-  return altitude::ragged_rise_sigma_m(w, altitude::kSoftnessPerHalfWidth * w);
+  if (!field.half_width_m.usable()) return altitude::typical_rise_sigma_m();
+  return altitude::typical_rise_sigma_m(field.half_width_m.value);
 }
 
 }  // namespace
@@ -100,7 +98,7 @@ Result<audit::FlightFusion> fuse_flight(const sync::Located& located, const std:
   }
   altitude::FuseOptions options;
   options.row_height_m = field.row_height_m;
-  if (const auto sigma = top_sigma_m(vision, field)) options.vps_canopy_sigma_m = *sigma;
+  options.vps_canopy_sigma_m = top_sigma_m(vision, field);
   FURROW_TRY(fusion.fused, altitude::fuse(fusion.samples, options));
   for (const HeightSource source : audit::speaking_sources(fusion)) {
     altitude::FuseOptions without = options;

@@ -193,6 +193,29 @@ TEST(FuseFlight, SaysWhyThereIsNothingToFuse) {
   EXPECT_EQ(audit::trials_table(*fusion).rows[1][4], "only barometer or GNSS, whose zero is not known");
 }
 
+// Leaves over which a downward sensor hovers lie as far from the named top as rows of some width let them;
+// who does not know the width knows the height no better.
+TEST(FuseFlight, KnowsNoMoreOfTheLeavesOverRowsOfUnknownWidth) {
+  sync::Located located;
+  located.poses.resize(30);
+  for (std::size_t i = 0; i < located.poses.size(); ++i) {
+    located.poses[i].state.t_utc_ns = static_cast<std::int64_t>(i) * 1'000'000'000;
+    located.poses[i].state.height_vps_m = 2.0;
+  }
+  const std::vector<VisionHeight> vision(located.poses.size(), {{2.0, 0.5, 1}, {{"row_spacing", 0.49}}});
+  const auto sigma_m = [&](const altitude::FieldKnowledge& field) {
+    const auto fusion = fuse_flight(located, vision, field);
+    EXPECT_TRUE(fusion.ok()) << fusion.error().message();
+    return fusion.ok() ? fusion->fused.heights[15].above_canopy_m.sigma : std::nan("");
+  };
+  altitude::FieldKnowledge narrow, wide;
+  narrow.half_width_m = {0.05, 0.01, 1};
+  wide.half_width_m = {2.0, 0.1, 1};
+  EXPECT_LT(sigma_m(narrow), sigma_m(wide));
+  EXPECT_GE(sigma_m({}), sigma_m(wide));
+  EXPECT_LT(sigma_m({}), 0.2);
+}
+
 TEST(FusionTable, HasEverySourcesReadingResidualAndUse) {
   const Flown flown = fly(sim::demo_scene(), 3);
   const auto fusion = fuse_flight(flown.located, flown.vision, flown.field);

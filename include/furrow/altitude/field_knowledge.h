@@ -53,7 +53,7 @@ inline constexpr double kLogSoftnessSigma = 1.2;
 /// Outlines are ragged by the reach of a leaf, which does not grow with the row: vine leaves are 10 to 15 cm
 /// across. A row that is narrower is as wide as its leaves reach.
 inline constexpr double kLeafReach_m = 0.12;
-inline double leaf_reach_m(double half_width_m) {
+constexpr double leaf_reach_m(double half_width_m) {
   return std::min(half_width_m, kLeafReach_m);
 }
 /// Highest points of outlines lay over the named top by 0.3 leaves (0.04 m) where that is the highest leaf,
@@ -72,10 +72,16 @@ inline constexpr double kMostOutlineRiseSigmaPerLeaf = 1.5;
 /// rise.
 inline constexpr double kRaggedPerHalfWidth = 0.05;
 /// One-sigma of the rise of ragged leaves over the top that words name (eq. 8.8).
-inline double ragged_rise_sigma_m(double half_width_m, double softness_m) {
+constexpr double ragged_rise_sigma_m(double half_width_m, double softness_m) {
   const double leaf_m = leaf_reach_m(half_width_m);
   return std::min(kFirmOutlineRiseSigmaPerLeaf * leaf_m + kOutlineRiseSigmaPerSoftness * softness_m,
                   kMostOutlineRiseSigmaPerLeaf * leaf_m);
+}
+
+/// The same of rows whose softness no picture tells. Rows of unknown width may be of any: as much as leaves
+/// make.
+constexpr double typical_rise_sigma_m(double half_width_m = std::numeric_limits<double>::infinity()) {
+  return ragged_rise_sigma_m(half_width_m, kSoftnessPerHalfWidth * half_width_m);
 }
 
 /// What the gimbal says about one shot, with one-sigma; unusable values are not known.

@@ -55,8 +55,9 @@ struct FuseOptions {
   double vps_sigma_m = 0.10;
   /// One-sigma of how far the leaves that a downward sensor hits lie under or over the top that row_height_m
   /// names: what is called the top is a matter of words, for the sensor as for the outline. Common to the
-  /// flight.
-  double vps_canopy_sigma_m = 0.024;
+  /// flight. Default: for rows of unknown width; typical_rise_sigma_m of theirs, or what pictures leave open
+  /// of the outline, where that is known.
+  double vps_canopy_sigma_m = typical_rise_sigma_m();
   /// So many shots in a row see much the same plants, and what is a shot's own error in its rows lasts as
   /// long (FlightOptions::shots_per_stretch). 1: from shot to shot independent.
   double shots_per_stretch = 4.0;
