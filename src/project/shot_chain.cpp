@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "furrow/altitude/thesis.h"
 #include "furrow/altitude/unit_plane.h"
@@ -46,6 +47,14 @@ altitude::AttitudePrior prior_of(const telemetry::Sample& state, const Project& 
   const double roll_deg = std::isfinite(state.gimbal_roll_deg) ? state.gimbal_roll_deg : 0.0;
   prior.roll_rad = {deg_to_rad(roll_deg), deg_to_rad(project.gimbal_roll_sigma_deg), 1};
   return prior;
+}
+
+/// The thesis's height from its distance; without a sigma, as the thesis gives none.
+Estimate height_at(const Result<double>& slant_distance_m, double pitch_rad) {
+  if (!slant_distance_m.ok()) return {};
+  const auto height_m = altitude::thesis_height_above_canopy_m(*slant_distance_m, pitch_rad);
+  if (!height_m.ok()) return {};
+  return {*height_m, std::numeric_limits<double>::quiet_NaN(), 1};
 }
 
 /// The thesis's formula with the half width found at the picture's middle row.
@@ -122,13 +131,8 @@ void measure_depth(ShotResult& result, const telemetry::Shot& shot, const Projec
     return;
   }
   if (project.depth->disparity) *map = depth::thesis_metres(*map);
-  if (const auto slant = depth::thesis_slant_distance_m(*map); slant.ok()) {
-    const auto thesis = altitude::thesis_height_above_canopy_m(*slant, result.prior.pitch_rad.value);
-    if (thesis.ok()) {
-      result.record.above_canopy_depth_thesis_m.value = *thesis;
-      result.record.above_canopy_depth_thesis_m.observations = 1;
-    }
-  }
+  result.record.above_canopy_depth_thesis_m =
+      height_at(depth::thesis_slant_distance_m(*map), result.prior.pitch_rad.value);
   if (project.depth->disparity) *map = depth::for_focal_length(std::move(*map), *result.camera);
   const auto height = depth::height_from_map({std::move(*map), *result.camera, result.prior.pitch_rad,
                                               result.prior.roll_rad, project.field.row_height_m},
@@ -154,14 +158,8 @@ altitude::RefineOptions refine_options(const Project& project) {
 Estimate thesis_height(double half_width_px, const Camera& camera, const altitude::FieldKnowledge& field,
                        const altitude::AttitudePrior& prior) {
   if (!field.half_width_m.usable() || !prior.pitch_rad.usable()) return {};
-  const auto slant = altitude::thesis_slant_distance_m(field.half_width_m.value, camera.fx, half_width_px);
-  if (!slant.ok()) return {};
-  const auto height = altitude::thesis_height_above_canopy_m(*slant, prior.pitch_rad.value);
-  if (!height.ok()) return {};
-  Estimate estimate;
-  estimate.value = *height;
-  estimate.observations = 1;
-  return estimate;
+  return height_at(altitude::thesis_slant_distance_m(field.half_width_m.value, camera.fx, half_width_px),
+                   prior.pitch_rad.value);
 }
 
 rows::Priors horizon_of(const altitude::AttitudePrior& prior, const Camera& camera) {
