@@ -373,7 +373,7 @@ std::vector<std::string> causes_of(const std::vector<HeightSample>& samples) {
   return causes;
 }
 
-/// Everything takes part at first.
+/// Everything takes part at first; a downward sensor's surface is the likeliest by the sources of `options`.
 std::vector<Labels> first_labels(const std::vector<HeightSample>& samples, const FuseOptions& options) {
   std::vector<Labels> labels(samples.size());
   const std::vector<Seen> seen = likely_surfaces(samples, options);
@@ -443,6 +443,38 @@ void settle(const std::vector<HeightSample>& samples, std::vector<Labels>& label
   }
 }
 
+/// -2 ln likelihood of all readings but for a constant, those left out counted as standing at the gate.
+double misfit(const std::vector<HeightSample>& samples, const std::vector<Labels>& labels,
+              const Setup& setup) {
+  double sum = filter(samples, labels, setup).minus_2_log_likelihood;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    for (const HeightSource source : kAllHeightSources) {
+      const auto reading = reading_of(samples[i], source, labels[i].vps, setup);
+      if (!reading || takes_part(labels[i], source)) continue;
+      sum += std::pow(setup.options.gate_sigmas, 2) + 2.0 * std::log(reading->sigma);
+    }
+  }
+  return sum;
+}
+
+/// Settles from the surfaces that a downward sensor's own changes of level tell, pictures aside, and keeps
+/// them where all readings are likelier so (eq. 11.8): rows found on grass are wrong by the rows' height in
+/// every shot, and had turned soil into leaves.
+void settle_without_pictures_first(const std::vector<HeightSample>& samples, std::vector<Labels>& labels,
+                                   Setup& setup, int& passes) {
+  FuseOptions blind = setup.options;
+  blind.use[static_cast<std::size_t>(place(HeightSource::vision))] = false;
+  blind.use[static_cast<std::size_t>(place(HeightSource::depth))] = false;
+  std::vector<Labels> others = first_labels(samples, blind);
+  if (on_one_level(others)) return;
+  Setup other = setup;
+  other.noise_scale.fill(1.0);
+  settle(samples, others, other, passes);
+  if (!(misfit(samples, others, other) < misfit(samples, labels, setup))) return;
+  labels = std::move(others);
+  setup.noise_scale = other.noise_scale;
+}
+
 FusedHeight describe(const HeightSample& sample, const Belief& belief, const Labels& labels,
                      const Setup& setup, bool surface_open) {
   const FuseOptions& options = setup.options;
@@ -504,12 +536,14 @@ Result<FusedFlight> fuse(const std::vector<HeightSample>& samples, const FuseOpt
   std::vector<Labels> labels = first_labels(samples, options);
   FusedFlight flight;
   settle(samples, labels, setup, flight.passes);
+  settle_without_pictures_first(samples, labels, setup, flight.passes);
   setup.curvature_sigma = likeliest_curvature(samples, labels, setup);
   if (setup.curvature_sigma > 0.0) {
     // What was taken for noise of the others may have been the ground.
     setup.noise_scale.fill(1.0);
     labels = first_labels(samples, options);
     settle(samples, labels, setup, flight.passes);
+    settle_without_pictures_first(samples, labels, setup, flight.passes);
   }
   flight.ground_curvature_per_m = setup.curvature_sigma;
   const std::vector<Belief> beliefs = smooth(samples, labels, setup);
