@@ -109,7 +109,9 @@ TEST(Fuse, VisionWrongByTheRowsHeightDoesNotTurnSoilIntoLeaves) {
   for (const Told& t : told) {
     HeightSample s;
     s.t_s = 2.0 * static_cast<double>(samples.size());
-    s.vision_above_canopy_m = {t.vision_m, t.sigma_m, 1};
+    s.vision_above_canopy_m = {t.vision_m, 0.16, 1};
+    s.vision_reach_m = 4.2 * t.vision_m;
+    s.vision_shared = {{"outline", 0.14}};
     s.baro_height_m = t.baro_m;
     s.vps_height_m = t.vps_m;
     samples.push_back(s);
