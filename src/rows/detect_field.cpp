@@ -133,6 +133,7 @@ struct Look {
   std::vector<RowLine> rows;
   double tilt = 0.0;  ///< of the rows' own horizon
   FoundTops tops;
+  std::optional<Relief> relief;  ///< where the rows are found by it
 
   void shape(const CommonModel& by, int width) {
     model = by;
@@ -140,16 +141,20 @@ struct Look {
   }
 };
 
-/// Straight rows towards where their edges meet, and their tops, when the gimbal's horizon is known and the
-/// rows are straight: along rows that bend or go over hills a straight model loses edges.
-void straighten(const Image& picture, const Priors& priors, Look& look) {
+/// Straight rows towards where their edges meet, when the gimbal's horizon is known.
+std::optional<CommonModel> straight_model(const Image& picture, const Priors& priors, const Look& look) {
+  const auto point = meeting_point(look.rows, priors, 0.5 * (picture.width - 1));
+  return point ? std::optional(straightened(look.model, *point, picture.width, picture.height))
+               : std::nullopt;
+}
+
+/// Takes straight rows, and their tops, where the rows are straight: along rows that bend or go over hills a
+/// straight model loses edges.
+void straighten(int width, const CommonModel& straight, Look& look) {
   // Of the edges: straight rows of renders kept 0.96 of them and more (one shot in thirty 0.88), rows over
   // hills 0.78 to 0.89.
   constexpr double kLeastKept = 0.9;
-  const auto point = meeting_point(look.rows, priors, 0.5 * (picture.width - 1));
-  if (!point) return;
-  const CommonModel straight = straightened(look.model, *point, picture.width, picture.height);
-  std::vector<RowLine> straight_rows = shaped_rows(look.map, straight, picture.width, look.sample_v);
+  std::vector<RowLine> straight_rows = shaped_rows(look.map, straight, width, look.sample_v);
   if (edge_count(straight_rows) < kLeastKept * edge_count(look.rows)) return;
   look.model = straight;
   look.rows = std::move(straight_rows);
@@ -220,15 +225,16 @@ Searched levelled_by_rows(const Image& picture, const DetectOptions& options, Se
 
 /// `level` is the picture levelled by `slope`, `map` one of it where the search's is as fine as edges need.
 Look look_at(const Image& level, double slope, const DetectOptions& options, const GreenMap* map,
-             const CommonModel& model, double tooth) {
+             const CommonModel& model, double tooth, const std::optional<Relief>& relief = {}) {
   const double most_step = slope == 0.0 ? 10.0 : 5.0;  // tilting may double a step
   const double told = options.priors.horizon_slope.value_or(0.0);
-  Look look{SummedMap(leaf_map(map ? *map : green_map(level, options.shape_pixels), model, tooth)),
+  Look look{SummedMap(leaf_map(map ? *map : green_map(level, options.shape_pixels), model, tooth, relief)),
             sample_rows(level.height, std::min({options.sample_step_px, most_step, level.height / 60.0})),
             model,
             {},
             slope == 0.0 ? told : 0.0,
-            {}};
+            {},
+            relief};
   look.shape(model, level.width);
   return look;
 }
@@ -246,13 +252,21 @@ Look look_on_slope(const Image& picture, const DetectOptions& options, const Sea
                       CommonModel(*searched.found, searched.map), tooth);
   Priors priors = options.priors;
   priors.horizon_slope = look.tilt;
-  straighten(picture, priors, look);
+  auto straight = straight_model(picture, priors, look);
+  const auto relief = straight ? other_relief(look.map.map(), straight->field()) : std::nullopt;
+  if (relief) {
+    const Relief own = relief->in_own_rows();
+    look = look_at(slope == 0.0 ? picture : level, slope, options, nullptr,
+                   with_spacing(*straight, relief->middle, relief->spacing), 2.0 * own.half_width, own);
+    straight = straight_model(picture, priors, look);
+  }
+  if (straight) straighten(picture.width, *straight, look);
   for (int round = 0; round < kRounds && std::abs(look.tops.tilt) > kLeastTilt; ++round) {
     const double next_slope = slope + look.tilt + look.tops.tilt;
     const auto field = relevelled(look.model.field(), next_slope - slope, 0.5 * (picture.width - 1));
     if (!field) break;
-    Look next =
-        look_at(levelled(picture, next_slope), next_slope, options, nullptr, CommonModel(*field), tooth);
+    Look next = look_at(levelled(picture, next_slope), next_slope, options, nullptr, CommonModel(*field),
+                        tooth, look.relief);
     next.tops = find_tops(next.map.map(), next.model, next.tilt, next.rows);
     if (next.tops.explained <= look.tops.explained) break;
     slope = next_slope;

@@ -64,7 +64,7 @@ struct Census {
 
 /// The followed row and its neighbours: these show their walls too, in sun and in shade.
 Census take_census(const GreenMap& map, const std::vector<std::uint16_t>& looks, const CommonModel& model,
-                   double tooth) {
+                   double tooth, const std::optional<Relief>& relief) {
   constexpr double kReach =
       1.5;  // row numbers from the followed row: out to the alleys beyond its neighbours
   constexpr double kCoreShare = 0.25;   // half the core over the row's visible width
@@ -85,7 +85,8 @@ Census take_census(const GreenMap& map, const std::vector<std::uint16_t>& looks,
     const std::uint16_t* look = looks.data() + static_cast<std::ptrdiff_t>(v) * map.width;
     for (int u = first; u <= last; ++u) {
       const double k = k0 + u * per_u;
-      const bool in_core = std::abs(k - std::round(k)) < kCoreShare * tooth;
+      const bool in_core = relief ? relief->surface_at(k + followed) != Surface::ground
+                                  : std::abs(k - std::round(k)) < kCoreShare * tooth;
       census.add(in_core, look[u], map.row(v)[u], static_cast<float>(per_u));
     }
   }
@@ -121,7 +122,7 @@ float smooth_step(float value, float low, float high) {
 
 }  // namespace
 
-GreenMap leaf_map(GreenMap map, const CommonModel& model, double tooth) {
+GreenMap leaf_map(GreenMap map, const CommonModel& model, double tooth, const std::optional<Relief>& relief) {
   constexpr double kLeastPixels = 20.0;  // of each kind, in spacings
   constexpr float kRare = 2e-6F;         // a look with a smaller share was not seen
   // Mean odds of core against core and rest, over the cores: 0.5 where they look like their surroundings.
@@ -135,7 +136,7 @@ GreenMap leaf_map(GreenMap map, const CommonModel& model, double tooth) {
   constexpr float kNoLeaf = 0.18F, kSomeLeaf = 0.32F;
   if (map.chroma.empty()) return map;
   const std::vector<std::uint16_t> looks = looks_of(map);
-  Census census = take_census(map, looks, model, tooth);
+  Census census = take_census(map, looks, model, tooth, relief);
   if (census.cores < kLeastPixels || census.rests < kLeastPixels) return map;
   smooth(census.core);
   smooth(census.rest);

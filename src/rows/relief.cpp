@@ -1,0 +1,203 @@
+#include "rows/relief.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace furrow::rows {
+namespace {
+
+constexpr double kReach = 6.0;  // row numbers to each side
+constexpr double kBin = 0.05;   // row numbers
+constexpr int kBins = 240;      // 2 kReach / kBin
+constexpr int kFeatures = 3;    // log light, shares of red and green
+
+/// The picture's mean features by row number, less their means, with squares that sum up to 1.
+struct Profile {
+  std::vector<float> k;
+  std::array<std::vector<float>, kFeatures> feature;
+
+  /// Row numbers in view.
+  double extent() const { return kBin * static_cast<double>(k.size()); }
+};
+
+using Features = std::array<float, kFeatures>;
+
+/// Features of every pixel of a picture row.
+void features_of(const GreenMap& map, int row, std::vector<Features>& features) {
+  const std::uint16_t* light = map.light.data() + static_cast<std::ptrdiff_t>(row) * map.width;
+  const std::uint16_t* chroma = map.chroma.data() + static_cast<std::ptrdiff_t>(row) * map.width;
+  for (int u = 0; u < map.width; ++u)
+    features[static_cast<std::size_t>(u)] = {std::log(static_cast<float>(light[u]) + kDarkLevel),
+                                             static_cast<float>(chroma[u] / kChromaLevels),
+                                             static_cast<float>(chroma[u] % kChromaLevels)};
+}
+
+Profile profile_of(const GreenMap& map, const PlanarField& field) {
+  constexpr double kLeastScale = 0.15;
+  constexpr int kPictureRows = 120;
+  constexpr int kLeastRows = 6;  // picture rows that show a place
+  std::array<std::array<double, kFeatures>, kBins> sums{};
+  std::array<int, kBins> counts{};
+  std::vector<Features> features(static_cast<std::size_t>(map.width));
+  const int step = std::max(1, map.height / kPictureRows);
+  for (int row = step / 2; row < map.height; row += step) {
+    const double v = map.v_in_picture(row);
+    if (field.scale(v) < kLeastScale) continue;
+    features_of(map, row, features);
+    const double zero = field.k_at(0.0, v), per_px = 1.0 / field.spacing_at(v);
+    std::array<std::array<double, kFeatures>, kBins> here{};
+    std::array<int, kBins> pixels{};
+    for (int u = 0; u < map.width; ++u) {
+      const double place = (zero + map.u_in_picture(u) * per_px + kReach) / kBin;
+      if (!(place >= 0.0 && place < kBins)) continue;
+      const auto bin = static_cast<std::size_t>(place);
+      for (std::size_t f = 0; f < kFeatures; ++f)
+        here[bin][f] += static_cast<double>(features[static_cast<std::size_t>(u)][f]);
+      ++pixels[bin];
+    }
+    for (std::size_t bin = 0; bin < kBins; ++bin) {
+      if (pixels[bin] == 0) continue;
+      for (std::size_t f = 0; f < kFeatures; ++f) sums[bin][f] += here[bin][f] / pixels[bin];
+      ++counts[bin];
+    }
+  }
+  Profile profile;
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    if (counts[bin] < kLeastRows) continue;
+    profile.k.push_back(static_cast<float>((static_cast<double>(bin) + 0.5) * kBin - kReach));
+    for (std::size_t f = 0; f < kFeatures; ++f)
+      profile.feature[f].push_back(static_cast<float>(sums[bin][f] / counts[bin]));
+  }
+  for (auto& values : profile.feature) {
+    double sum = 0.0, squares = 0.0;
+    for (const float value : values) sum += static_cast<double>(value);
+    for (float& value : values) {
+      value -= static_cast<float>(sum / static_cast<double>(values.size()));
+      squares += static_cast<double>(value * value);
+    }
+    for (float& value : values) value *= static_cast<float>(1.0 / std::sqrt(std::max(squares, 1e-12)));
+  }
+  return profile;
+}
+
+/// Parts of a surface that may look each their own: of a top from left to right, of the walls on each side
+/// of the camera from foot to top, of the ground from row to row.
+constexpr int kTopParts = 5, kWallParts = 4, kGroundParts = 12;
+constexpr int kParts = kTopParts + 2 * kWallParts + kGroundParts;
+
+int part_of(double fraction, int parts) {
+  return std::clamp(static_cast<int>(fraction * parts), 0, parts - 1);
+}
+
+/// A place on a surface.
+struct Place {
+  Surface surface;
+  int part = 0;  ///< among kParts
+};
+
+Place place_at(const Relief& relief, double k) {
+  const double x = k - relief.camera, axis = relief.middle - relief.camera;
+  const double periods = (x - axis) / relief.spacing;
+  const double off = (periods - std::round(periods)) * relief.spacing;
+  if (std::abs(off) <= relief.half_width)
+    return {Surface::top, part_of(0.5 + 0.5 * off / relief.half_width, kTopParts)};
+  // The next row outwards stands before what lies behind it, from its foot on.
+  const bool right = x >= 0.0;
+  const double next = right ? std::ceil(periods) : std::floor(periods);
+  const double edge = axis + next * relief.spacing - (right ? relief.half_width : -relief.half_width);
+  const double foot = relief.foot * edge;
+  if ((edge > 0.0) == right && std::abs(x) > std::abs(foot)) {
+    const double up = (x - foot) / (edge - foot);
+    return {Surface::wall, kTopParts + (right ? 0 : kWallParts) + part_of(up, kWallParts)};
+  }
+  const double ground = (x / relief.foot - axis) / relief.spacing;
+  return {Surface::ground, kTopParts + 2 * kWallParts + part_of(ground - std::floor(ground), kGroundParts)};
+}
+
+/// Log likelihood of the picture where each part has one look.
+double score_of(const Profile& profile, const Relief& relief) {
+  constexpr double kPiece = 0.25;       // row numbers: what lies closer looks alike
+  constexpr double kMostPieces = 30.0;  // the rest lies far off, where a row is a few pixels
+  constexpr double kLeastLeft = 0.05;
+  std::array<float, kParts> count{};
+  std::array<Features, kParts> sum{};
+  for (std::size_t i = 0; i < profile.k.size(); ++i) {
+    const auto part = static_cast<std::size_t>(place_at(relief, static_cast<double>(profile.k[i])).part);
+    count[part] += 1.0F;
+    for (std::size_t f = 0; f < kFeatures; ++f) sum[part][f] += profile.feature[f][i];
+  }
+  Features explained{};
+  for (std::size_t part = 0; part < kParts; ++part) {
+    if (count[part] == 0.0F) continue;
+    for (std::size_t f = 0; f < kFeatures; ++f) explained[f] += sum[part][f] * sum[part][f] / count[part];
+  }
+  const double pieces = std::min(kMostPieces, profile.extent() / kPiece);
+  double score = 0.0;
+  for (const float part : explained)
+    score -= 0.5 * pieces * std::log(std::max(1.0 - static_cast<double>(part), kLeastLeft));
+  return score;
+}
+
+/// The relief of the best score among those that have the tops near the field's rows, and among all.
+struct Search {
+  Relief same, any;
+  double score_same = -1.0, score_any = -1.0;
+};
+
+/// Over all spacings, phases, widths and heights.
+Search search(const Profile& profile, double camera) {
+  constexpr double kFrom = 0.45, kTo = 2.5, kRatio = 1.07;
+  constexpr int kPhases = 14;
+  constexpr std::array kHalfWidths = {0.13, 0.18, 0.26};  // of the spacing
+  constexpr std::array kFeet = {0.45, 0.65, 0.85};
+  // Tops lie farther apart than rows that were found on what is seen of the ground between, too.
+  constexpr double kLeastSame = 0.75, kMostSame = 1.9, kSamePhase = 0.25;
+  constexpr double kLeastPeriods = 4.0;  // in view: to fewer, some relief fits by chance
+  Search found;
+  Relief relief;
+  relief.camera = camera;
+  for (double spacing = kFrom; spacing < kTo; spacing *= kRatio) {
+    relief.spacing = spacing;
+    const bool is_seen = profile.extent() > kLeastPeriods * spacing;
+    for (int phase = 0; phase < kPhases; ++phase) {
+      const double periods = static_cast<double>(phase) / kPhases - 0.5;
+      relief.middle = periods * spacing;
+      const bool same = std::abs(periods) < kSamePhase && spacing > kLeastSame && spacing < kMostSame;
+      if (!is_seen && !same) continue;
+      for (const double half_width : kHalfWidths) {
+        relief.half_width = half_width * spacing;
+        for (const double foot : kFeet) {
+          relief.foot = foot;
+          const double score = score_of(profile, relief);
+          if (score > found.score_any) found.score_any = score, found.any = relief;
+          if (same && score > found.score_same) found.score_same = score, found.same = relief;
+        }
+      }
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+Surface Relief::surface_at(double k) const {
+  return place_at(*this, k).surface;
+}
+
+Relief Relief::in_own_rows() const {
+  return {0.0, 1.0, half_width / spacing, (camera - middle) / spacing, foot};
+}
+
+std::optional<Relief> other_relief(const GreenMap& level, const PlanarField& field) {
+  constexpr double kLeastGain = 6.0;  // of log likelihood: four hundred to one
+  const auto point = field.vanishing_point();
+  if (level.light.empty() || !point) return std::nullopt;
+  // Straight below the vanishing point lies what is below the camera.
+  const Search found = search(profile_of(level, field), field.k_at(point->x(), point->y() + field.length));
+  if (found.score_any < found.score_same + kLeastGain) return std::nullopt;
+  return found.any;
+}
+
+}  // namespace furrow::rows

@@ -1,0 +1,32 @@
+#pragma once
+#include <optional>
+
+#include "rows/green_map.h"
+#include "rows/row_shape.h"
+
+namespace furrow::rows {
+
+/// What of a row is in sight at some place of the picture.
+enum class Surface { top, wall, ground };
+
+/// Tall rows over the ground they stand on, in real-valued row numbers of a field: lines parallel to the rows
+/// keep theirs whatever their height, and what lies lower has its number nearer to the one below the camera.
+struct Relief {
+  double middle = 0.0;      ///< axis of the top nearest the picture's middle
+  double spacing = 1.0;     ///< between tops
+  double half_width = 0.2;  ///< of tops
+  double camera = 0.0;      ///< below the camera
+  double foot = 0.7;        ///< height of the camera above the tops over that above the ground
+
+  Surface surface_at(double k) const;
+  /// The same relief where row 0 is the top at `middle` and its neighbours are 1 and -1.
+  Relief in_own_rows() const;
+};
+
+/// Where tops, walls and ground of any look explain the picture much better than with the tops at the
+/// field's rows: the relief that explains it best. Strips of grass that are greener than the crop make rows,
+/// too, but walls hide them ever more to the sides. `level` is the picture's map, levelled; the field's rows
+/// are straight and meet in its picture.
+std::optional<Relief> other_relief(const GreenMap& level, const PlanarField& field);
+
+}  // namespace furrow::rows

@@ -1,0 +1,110 @@
+#include "rows/relief.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "furrow/rows/detect.h"
+#include "rows/edge_pencil.h"
+
+namespace furrow::rows {
+namespace {
+
+constexpr int kWidth = 640, kHeight = 360;
+constexpr double kFocalPx = 430.0, kPitch = -0.23, kOverTops = 2.0, kSpacing = 2.2, kAside = 0.3;
+
+struct Colour {
+  std::uint8_t red, green, blue;
+};
+
+/// Box-shaped rows of dull leaves with dark walls, and strips of grass greener than they are midway between,
+/// cast ray by ray. Row axes lie at kAside + n kSpacing beside the camera.
+Image vineyard(double row_height) {
+  constexpr Colour kTop{100, 112, 80}, kWall{50, 58, 40}, kSoil{150, 120, 95}, kGrass{90, 165, 50},
+      kSky{120, 150, 190};
+  constexpr double kHalfWidth = 0.45, kHalfGrass = 0.4;
+  Image picture{kWidth, kHeight, 3, {}};
+  picture.data.reserve(static_cast<std::size_t>(3 * kWidth * kHeight));
+  const auto off_axis = [](double y) { return std::remainder(y - kAside, kSpacing); };
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const double across = (u - 0.5 * (kWidth - 1)) / kFocalPx, down = (v - 0.5 * (kHeight - 1)) / kFocalPx;
+      const double drop = std::cos(kPitch) * down - std::sin(kPitch);
+      Colour colour = kSky;
+      if (drop > 0.02) {
+        const double y_top = across * kOverTops / drop, y_ground = across * (kOverTops + row_height) / drop;
+        const bool is_top = std::abs(off_axis(y_top)) < kHalfWidth;
+        // A ray meets a wall where a row's near edge lies between its places at the tops and on the ground.
+        const double side = across > 0.0 ? 1.0 : -1.0;
+        const double first = (side * (y_top - kAside) + kHalfWidth) / kSpacing,
+                     last = (side * (y_ground - kAside) + kHalfWidth) / kSpacing;
+        const bool is_wall = std::floor(last) > std::floor(first);
+        colour = is_top                                                       ? kTop
+                 : is_wall                                                    ? kWall
+                 : std::abs(off_axis(y_ground)) > 0.5 * kSpacing - kHalfGrass ? kGrass
+                                                                              : kSoil;
+      }
+      picture.data.insert(picture.data.end(), {colour.red, colour.green, colour.blue});
+    }
+  }
+  return picture;
+}
+
+/// Straight rows so far below the camera, one of them `aside` m beside it.
+PlanarField field_at(double depth, double aside) {
+  PlanarField field;
+  field.u0 = 0.5 * (kWidth - 1), field.v0 = kHeight - 1.0, field.length = kHeight;
+  const Eigen::Vector2d point(field.u0, 0.5 * (kHeight - 1) + kFocalPx * std::tan(kPitch));
+  const double px_per_m = (field.v0 - point.y()) * std::cos(kPitch) / depth;
+  return field_through(field, point, field.v0, field.u0 + aside * px_per_m, kSpacing * px_per_m);
+}
+
+constexpr double kRowHeight = 1.4, kMostPixels = 1e6;
+
+TEST(Relief, TopsAreFoundWhereTheFieldHasTheGrass) {
+  const PlanarField grass = field_at(kOverTops + kRowHeight, kAside - 0.5 * kSpacing);
+  const auto relief = other_relief(green_map(vineyard(kRowHeight), kMostPixels), grass);
+  ASSERT_TRUE(relief);
+  // In the ground's spacings: what is as high as the tops looks farther aside.
+  const double stretch = (kOverTops + kRowHeight) / kOverTops;
+  EXPECT_NEAR(relief->spacing, stretch, 0.08 * stretch);
+  const double camera = -(kAside - 0.5 * kSpacing) / kSpacing, axis = camera + kAside / kSpacing * stretch;
+  EXPECT_NEAR(relief->camera, camera, 1e-6);
+  EXPECT_NEAR(std::remainder(relief->middle - axis, stretch), 0.0, 0.12 * stretch);
+}
+
+TEST(Relief, TopsOfTheFieldStay) {
+  EXPECT_FALSE(other_relief(green_map(vineyard(kRowHeight), kMostPixels), field_at(kOverTops, kAside)));
+}
+
+TEST(Relief, StripesOnFlatGroundHaveNone) {
+  const GreenMap flat = green_map(vineyard(0.0), kMostPixels);
+  EXPECT_FALSE(other_relief(flat, field_at(kOverTops, kAside)));
+}
+
+TEST(Relief, SurfacesFromTopToGroundOutwards) {
+  const Relief relief{0.0, 1.0, 0.2, 0.0, 0.6};
+  EXPECT_EQ(relief.surface_at(0.1), Surface::top);
+  EXPECT_EQ(relief.surface_at(0.3), Surface::ground);
+  EXPECT_EQ(relief.surface_at(0.55), Surface::wall);  // its foot stands at 0.6 of 0.8
+  EXPECT_EQ(relief.surface_at(-0.55), Surface::wall);
+  EXPECT_EQ(relief.surface_at(1.1), Surface::top);
+  EXPECT_EQ(relief.surface_at(2.5), Surface::wall);  // from 1.68 on no ground shows
+}
+
+TEST(Relief, RowsAreTheCropsNotTheGreenerGrass) {
+  DetectOptions options;
+  options.priors.horizon_v_px = 0.5 * (kHeight - 1) + kFocalPx * std::tan(kPitch);
+  options.priors.horizon_sigma_px = 7.0;
+  options.priors.horizon_slope = 0.0;
+  const RowLines lines = detect(vineyard(kRowHeight), options);
+  ASSERT_TRUE(lines.ok());
+  ASSERT_TRUE(lines.field);
+  const PlanarField tops = field_at(kOverTops, kAside);
+  EXPECT_NEAR(lines.field->spacing_at(300.0), tops.spacing_at(300.0), 0.06 * tops.spacing_at(300.0));
+  const double k = tops.k_at(lines.field->u_at(300.0, 0.0), 300.0);
+  EXPECT_NEAR(std::remainder(k, 1.0), 0.0, 0.1);
+}
+
+}  // namespace
+}  // namespace furrow::rows
