@@ -96,9 +96,8 @@ void measure(ShotResult& result, const Camera& camera, const Project& project) {
   record.above_canopy_thesis_m = automatic_thesis_height(result.lines, camera, project.field, result.prior);
   const auto directions = altitude::rows_on_unit_plane(result.lines, camera);
   if (directions.ok()) {
-    const auto closed = altitude::from_spacing(
-        *directions, project.field,
-        altitude::over_slope(result.prior, refine_options(project)));
+    const auto closed = altitude::from_spacing(*directions, project.field,
+                                               altitude::over_slope(result.prior, refine_options(project)));
     if (closed.ok()) record.above_canopy_spacing_m = closed->height_above_canopy_m;
   }
   const auto refined =

@@ -142,7 +142,8 @@ struct Look {
 };
 
 /// Straight rows towards where their edges meet, when the gimbal's horizon is known.
-std::optional<CommonModel> straight_model(const Image& picture, const Priors& priors, const Look& look) {
+std::optional<CommonModel> straight_model(const Image& picture, Priors priors, const Look& look) {
+  priors.horizon_slope = look.tilt;
   const auto point = meeting_point(look.rows, priors, 0.5 * (picture.width - 1));
   return point ? std::optional(straightened(look.model, *point, picture.width, picture.height))
                : std::nullopt;
@@ -150,13 +151,15 @@ std::optional<CommonModel> straight_model(const Image& picture, const Priors& pr
 
 /// Takes straight rows, and their tops, where the rows are straight: along rows that bend or go over hills a
 /// straight model loses edges.
-void straighten(int width, const CommonModel& straight, Look& look) {
+void straighten(const Image& picture, const Priors& priors, Look& look) {
   // Of the edges: straight rows of renders kept 0.96 of them and more (one shot in thirty 0.88), rows over
   // hills 0.78 to 0.89.
   constexpr double kLeastKept = 0.9;
-  std::vector<RowLine> straight_rows = shaped_rows(look.map, straight, width, look.sample_v);
+  const auto straight = straight_model(picture, priors, look);
+  if (!straight) return;
+  std::vector<RowLine> straight_rows = shaped_rows(look.map, *straight, picture.width, look.sample_v);
   if (edge_count(straight_rows) < kLeastKept * edge_count(look.rows)) return;
-  look.model = straight;
+  look.model = *straight;
   look.rows = std::move(straight_rows);
   look.tops = find_tops(look.map.map(), look.model, look.tilt, look.rows);
 }
@@ -239,38 +242,49 @@ Look look_at(const Image& level, double slope, const DetectOptions& options, con
   return look;
 }
 
+/// Levels the picture by what the tops show of a slope across, too, which `slope` then includes; rows and
+/// tops are found again in it.
+void level_by_tops(const Image& picture, const DetectOptions& options, double tooth, double& slope,
+                   Look& look) {
+  constexpr double kLeastTilt = 0.02;  // a degree
+  constexpr int kRounds = 2;
+  for (int round = 0; round < kRounds && std::abs(look.tops.tilt) > kLeastTilt; ++round) {
+    const double next_slope = slope + look.tilt + look.tops.tilt;
+    const auto field = relevelled(look.model.field(), next_slope - slope, 0.5 * (picture.width - 1));
+    if (!field) return;
+    Look next = look_at(levelled(picture, next_slope), next_slope, options, nullptr, CommonModel(*field),
+                        tooth, look.relief);
+    next.tops = find_tops(next.map.map(), next.model, next.tilt, next.rows);
+    if (next.tops.explained <= look.tops.explained) return;
+    slope = next_slope;
+    look = std::move(next);
+  }
+}
+
+/// Rows found anew where tops, walls and ground say that they are not where the greenest stripes are.
+bool take_relief(const Image& picture, const DetectOptions& options, double slope, Look& look) {
+  const auto straight = straight_model(picture, options.priors, look);
+  const auto relief = straight ? other_relief(look.map.map(), straight->field()) : std::nullopt;
+  if (!relief) return false;
+  const Relief own = relief->in_own_rows();
+  look = look_at(slope == 0.0 ? picture : levelled(picture, slope), slope, options, nullptr,
+                 with_spacing(*straight, relief->middle, relief->spacing), 2.0 * own.half_width, own);
+  return true;
+}
+
 /// Rows in the picture levelled by `slope`; where their tops show that the ground slopes across, by that too,
 /// which `slope` then includes.
 Look look_on_slope(const Image& picture, const DetectOptions& options, const Searched& searched,
                    double& slope) {
-  constexpr double kLeastTilt = 0.02;  // a degree
-  constexpr int kRounds = 2;
   const double tooth = searched.found->tooth;
   const bool is_fine = std::min(options.shape_pixels, 1.0 * picture.width * picture.height) <= kSearchPixels;
-  const Image level = slope == 0.0 ? Image{} : levelled(picture, slope);
-  Look look = look_at(slope == 0.0 ? picture : level, slope, options, is_fine ? &searched.map : nullptr,
-                      CommonModel(*searched.found, searched.map), tooth);
-  Priors priors = options.priors;
-  priors.horizon_slope = look.tilt;
-  auto straight = straight_model(picture, priors, look);
-  const auto relief = straight ? other_relief(look.map.map(), straight->field()) : std::nullopt;
-  if (relief) {
-    const Relief own = relief->in_own_rows();
-    look = look_at(slope == 0.0 ? picture : level, slope, options, nullptr,
-                   with_spacing(*straight, relief->middle, relief->spacing), 2.0 * own.half_width, own);
-    straight = straight_model(picture, priors, look);
-  }
-  if (straight) straighten(picture.width, *straight, look);
-  for (int round = 0; round < kRounds && std::abs(look.tops.tilt) > kLeastTilt; ++round) {
-    const double next_slope = slope + look.tilt + look.tops.tilt;
-    const auto field = relevelled(look.model.field(), next_slope - slope, 0.5 * (picture.width - 1));
-    if (!field) break;
-    Look next = look_at(levelled(picture, next_slope), next_slope, options, nullptr, CommonModel(*field),
-                        tooth, look.relief);
-    next.tops = find_tops(next.map.map(), next.model, next.tilt, next.rows);
-    if (next.tops.explained <= look.tops.explained) break;
-    slope = next_slope;
-    look = std::move(next);
+  Look look = look_at(slope == 0.0 ? picture : levelled(picture, slope), slope, options,
+                      is_fine ? &searched.map : nullptr, CommonModel(*searched.found, searched.map), tooth);
+  straighten(picture, options.priors, look);
+  level_by_tops(picture, options, tooth, slope, look);
+  if (take_relief(picture, options, slope, look)) {
+    straighten(picture, options.priors, look);
+    level_by_tops(picture, options, tooth, slope, look);
   }
   take_tops(picture.width, look);
   return look;

@@ -91,20 +91,20 @@ TEST(Fuse, TellsLeavesFromSoilAndGatesWrongVision) {
   EXPECT_NEAR(fused->heights[50].above_ground_m.value, log.truth[50] + kCanopy, 0.15);
 }
 
-// Rows found on strips of grass lie lower by the rows' height in every shot, with sigmas that allow it: what
-// a rendered flight said. What a downward sensor changes by tells its surfaces all the same.
+// Rows found on strips of grass lie lower by the rows' height in every shot. What a downward sensor changes
+// by tells its surfaces all the same. Heights, barometer and sensor are those of a rendered flight, the
+// sigmas the test's own.
 TEST(Fuse, VisionWrongByTheRowsHeightDoesNotTurnSoilIntoLeaves) {
   struct Told {
-    double vision_m, sigma_m, baro_m, vps_m, truth_m;
+    double vision_m, baro_m, vps_m, truth_m;
     Seen seen;
   };
-  const std::vector<Told> told = {
-      {2.57, 0.31, 3.1, 3.0, 1.55, Seen::soil},   {2.26, 0.26, 3.1, 3.0, 1.56, Seen::soil},
-      {2.31, 0.26, 3.1, 1.6, 1.59, Seen::canopy}, {2.68, 0.32, 3.2, 1.6, 1.61, Seen::canopy},
-      {3.54, 0.43, 4.2, 2.6, 2.60, Seen::canopy}, {3.61, 0.45, 4.3, 2.5, 2.55, Seen::canopy},
-      {3.61, 0.45, 4.1, 2.5, 2.49, Seen::canopy}, {3.39, 0.41, 4.2, 2.4, 2.46, Seen::canopy},
-      {4.42, 0.68, 5.4, 4.9, 3.46, Seen::soil},   {4.54, 0.71, 5.5, 5.0, 3.51, Seen::soil},
-      {4.55, 0.70, 5.3, 5.0, 3.55, Seen::soil},   {4.55, 0.70, 5.3, 5.0, 3.57, Seen::soil}};
+  const std::vector<Told> told = {{2.57, 3.1, 3.0, 1.55, Seen::soil},   {2.26, 3.1, 3.0, 1.56, Seen::soil},
+                                  {2.31, 3.1, 1.6, 1.59, Seen::canopy}, {2.68, 3.2, 1.6, 1.61, Seen::canopy},
+                                  {3.54, 4.2, 2.6, 2.60, Seen::canopy}, {3.61, 4.3, 2.5, 2.55, Seen::canopy},
+                                  {3.61, 4.1, 2.5, 2.49, Seen::canopy}, {3.39, 4.2, 2.4, 2.46, Seen::canopy},
+                                  {4.42, 5.4, 4.9, 3.46, Seen::soil},   {4.54, 5.5, 5.0, 3.51, Seen::soil},
+                                  {4.55, 5.3, 5.0, 3.55, Seen::soil},   {4.55, 5.3, 5.0, 3.57, Seen::soil}};
   std::vector<HeightSample> samples;
   for (const Told& t : told) {
     HeightSample s;
@@ -122,7 +122,7 @@ TEST(Fuse, VisionWrongByTheRowsHeightDoesNotTurnSoilIntoLeaves) {
   ASSERT_TRUE(fused.ok()) << fused.error().message();
   for (std::size_t i = 0; i < told.size(); ++i) {
     EXPECT_EQ(fused->heights[i].vps_seen, told[i].seen) << i;
-    EXPECT_NEAR(fused->heights[i].above_canopy_m.value, told[i].truth_m, 0.2) << i;
+    EXPECT_NEAR(fused->heights[i].above_canopy_m.value, told[i].truth_m, 0.25) << i;
   }
 }
 

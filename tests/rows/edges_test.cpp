@@ -233,7 +233,8 @@ TEST(Tops, EvenLeavesTellNothing) {
   EXPECT_FALSE(tops(bare));
 }
 
-/// The low view as a picture. Between rows farther off a strip of soil shows, so that the search sees rows.
+/// The low view as a picture. Between rows farther off the feet of walls are in deep shade, so that the
+/// search sees rows.
 Image low_picture(double tilt) {
   LowView view = leaves(1.0, 0.5);
   view.tilt = tilt;
@@ -245,10 +246,11 @@ Image low_picture(double tilt) {
       const auto i = static_cast<std::size_t>(v * kWidth + u);
       const double k = std::abs(field.k_at(u, v - tilt * (u - 0.5 * (kWidth - 1))));
       const double beyond = k - view.half_width - std::floor(k - view.half_width);
-      const bool soil = map.value[i] == 0.0F || (k > 1.0 && beyond < 0.12);
+      const bool foot = k > 1.0 && beyond < 0.12;
       const double light = map.light[i] / 250.0;
-      const std::array colour =
-          soil ? std::array{150.0, 125.0, 95.0} : std::array{55.0 * light, 105.0 * light, 40.0 * light};
+      const std::array colour = map.value[i] == 0.0F ? std::array{150.0, 125.0, 95.0}
+                                : foot               ? std::array{32.0, 34.0, 28.0}
+                                                     : std::array{55.0 * light, 105.0 * light, 40.0 * light};
       for (std::size_t c = 0; c < 3; ++c)
         picture.at(u, v)[c] = static_cast<std::uint8_t>(std::clamp(std::lround(colour[c]), 0L, 255L));
     }
