@@ -125,15 +125,21 @@ int edge_count(const std::vector<RowLine>& rows) {
   return count;
 }
 
-/// The rows of a picture levelled by some slope, and their tops where the rows are straight.
-struct Look {
+/// Where rows are thought to stand.
+struct Guess {
+  double slope = 0.0;  ///< the picture is levelled by it
+  CommonModel model;
+  double tooth = 0.0;            ///< visible width over the spacing
+  std::optional<Relief> relief;  ///< in the model's row numbers
+};
+
+/// The rows of a levelled picture, and their tops where the rows are straight.
+struct Look : Guess {
   SummedMap map;
   std::vector<double> sample_v;
-  CommonModel model;
-  std::vector<RowLine> rows;
   double tilt = 0.0;  ///< of the rows' own horizon
+  std::vector<RowLine> rows;
   FoundTops tops;
-  std::optional<Relief> relief;  ///< where the rows are found by it
 
   void shape(const CommonModel& by, int width) {
     model = by;
@@ -226,66 +232,73 @@ Searched levelled_by_rows(const Image& picture, const DetectOptions& options, Se
   return best;
 }
 
-/// `level` is the picture levelled by `slope`, `map` one of it where the search's is as fine as edges need.
-Look look_at(const Image& level, double slope, const DetectOptions& options, const GreenMap* map,
-             const CommonModel& model, double tooth, const std::optional<Relief>& relief = {}) {
-  const double most_step = slope == 0.0 ? 10.0 : 5.0;  // tilting may double a step
+/// Of the levelled picture; the search's where that is fine enough.
+GreenMap level_map(const Image& picture, double slope, double pixels, const Searched& searched) {
+  const bool is_fine = std::min(pixels, 1.0 * picture.width * picture.height) <= kSearchPixels;
+  if (is_fine && slope == searched.slope) return searched.map;
+  return green_map(slope == 0.0 ? picture : levelled(picture, slope), pixels);
+}
+
+Look look_at(const Image& picture, const DetectOptions& options, const Searched& searched,
+             const Guess& guess) {
+  const double most_step = guess.slope == 0.0 ? 10.0 : 5.0;  // tilting may double a step
   const double told = options.priors.horizon_slope.value_or(0.0);
-  Look look{SummedMap(leaf_map(map ? *map : green_map(level, options.shape_pixels), model, tooth, relief)),
-            sample_rows(level.height, std::min({options.sample_step_px, most_step, level.height / 60.0})),
-            model,
+  Look look{guess,
+            SummedMap(leaf_map(level_map(picture, guess.slope, options.shape_pixels, searched), guess.model,
+                               guess.tooth, guess.relief)),
+            sample_rows(picture.height, std::min({options.sample_step_px, most_step, picture.height / 60.0})),
+            guess.slope == 0.0 ? told : 0.0,
             {},
-            slope == 0.0 ? told : 0.0,
-            {},
-            relief};
-  look.shape(model, level.width);
+            {}};
+  look.shape(guess.model, picture.width);
   return look;
 }
 
-/// Levels the picture by what the tops show of a slope across, too, which `slope` then includes; rows and
-/// tops are found again in it.
-void level_by_tops(const Image& picture, const DetectOptions& options, double tooth, double& slope,
-                   Look& look) {
+/// Levels the picture by what the tops show of a slope across, too; rows and tops are found again in it.
+void level_by_tops(const Image& picture, const DetectOptions& options, const Searched& searched, Look& look) {
   constexpr double kLeastTilt = 0.02;  // a degree
   constexpr int kRounds = 2;
   for (int round = 0; round < kRounds && std::abs(look.tops.tilt) > kLeastTilt; ++round) {
-    const double next_slope = slope + look.tilt + look.tops.tilt;
-    const auto field = relevelled(look.model.field(), next_slope - slope, 0.5 * (picture.width - 1));
+    const double more = look.tilt + look.tops.tilt;
+    const auto field = relevelled(look.model.field(), more, 0.5 * (picture.width - 1));
     if (!field) return;
-    Look next = look_at(levelled(picture, next_slope), next_slope, options, nullptr, CommonModel(*field),
-                        tooth, look.relief);
+    Look next = look_at(picture, options, searched,
+                        {look.slope + more, CommonModel(*field), look.tooth, look.relief});
     next.tops = find_tops(next.map.map(), next.model, next.tilt, next.rows);
     if (next.tops.explained <= look.tops.explained) return;
-    slope = next_slope;
     look = std::move(next);
   }
 }
 
-/// Rows found anew where tops, walls and ground say that they are not where the greenest stripes are.
-bool take_relief(const Image& picture, const DetectOptions& options, double slope, Look& look) {
-  const auto straight = straight_model(picture, options.priors, look);
-  const auto relief = straight ? other_relief(look.map.map(), straight->field()) : std::nullopt;
-  if (!relief) return false;
-  const Relief own = relief->in_own_rows();
-  look = look_at(slope == 0.0 ? picture : levelled(picture, slope), slope, options, nullptr,
-                 with_spacing(*straight, relief->middle, relief->spacing), 2.0 * own.half_width, own);
-  return true;
+Look straight_look(const Image& picture, const DetectOptions& options, const Searched& searched,
+                   const Guess& guess) {
+  Look look = look_at(picture, options, searched, guess);
+  straighten(picture, options.priors, look);
+  level_by_tops(picture, options, searched, look);
+  return look;
 }
 
-/// Rows in the picture levelled by `slope`; where their tops show that the ground slopes across, by that too,
-/// which `slope` then includes.
-Look look_on_slope(const Image& picture, const DetectOptions& options, const Searched& searched,
-                   double& slope) {
-  const double tooth = searched.found->tooth;
-  const bool is_fine = std::min(options.shape_pixels, 1.0 * picture.width * picture.height) <= kSearchPixels;
-  Look look = look_at(slope == 0.0 ? picture : levelled(picture, slope), slope, options,
-                      is_fine ? &searched.map : nullptr, CommonModel(*searched.found, searched.map), tooth);
-  straighten(picture, options.priors, look);
-  level_by_tops(picture, options, tooth, slope, look);
-  if (take_relief(picture, options, slope, look)) {
-    straighten(picture, options.priors, look);
-    level_by_tops(picture, options, tooth, slope, look);
-  }
+/// Where a look at a small picture shows tops, walls and ground; rows stand at its tops where these are not
+/// the greenest stripes.
+Guess guess_relief(const Image& picture, DetectOptions options, const Searched& searched,
+                   const Guess& guess) {
+  options.shape_pixels = kSearchPixels;
+  const Look look = straight_look(picture, options, searched, guess);
+  const auto straight = straight_model(picture, options.priors, look);
+  const auto found = straight ? find_relief(look.map.map(), straight->field()) : std::nullopt;
+  if (!found) return look;
+  const Relief& relief = found->relief;
+  const double tooth = 2.0 * relief.half_width / relief.spacing;
+  if (!found->elsewhere) return {look.slope, look.model, tooth, relief};
+  return {look.slope, with_spacing(*straight, relief.middle, relief.spacing), tooth, relief.in_own_rows()};
+}
+
+/// Rows in the picture levelled by the search's slope; where their tops show that the ground slopes across,
+/// by that too.
+Look look_on_slope(const Image& picture, const DetectOptions& options, const Searched& searched) {
+  Guess guess{searched.slope, CommonModel(*searched.found, searched.map), searched.found->tooth, {}};
+  if (options.priors.horizon_v_px) guess = guess_relief(picture, options, searched, guess);
+  Look look = straight_look(picture, options, searched, guess);
   take_tops(picture.width, look);
   return look;
 }
@@ -310,8 +323,7 @@ RowLines detect_field(const Image& picture, const DetectOptions& options) {
   const auto& found = searched.found;
   if (!found || found->score < options.least_score)
     return no_rows(lines, searched.score(), options.least_score);
-  slope = searched.slope;
-  Look look = look_on_slope(picture, options, searched, slope);
+  Look look = look_on_slope(picture, options, searched);
   lines.rows = std::move(look.rows);
   lines.field = look.model.field();
   lines.vanishing_point_px = lines.field->vanishing_point();
@@ -320,7 +332,7 @@ RowLines detect_field(const Image& picture, const DetectOptions& options) {
   lines.score = found->score;
   lines.tooth = found->tooth;
   lines.confidence = confidence_of(*found);
-  if (slope != 0.0) tilt_back(lines, slope);
+  if (look.slope != 0.0) tilt_back(lines, look.slope);
   return lines.rows.empty() ? no_rows(lines, found->score, options.least_score) : lines;
 }
 

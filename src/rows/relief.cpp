@@ -190,14 +190,16 @@ Relief Relief::in_own_rows() const {
   return {0.0, 1.0, half_width / spacing, (camera - middle) / spacing, foot};
 }
 
-std::optional<Relief> other_relief(const GreenMap& level, const PlanarField& field) {
+std::optional<FoundRelief> find_relief(const GreenMap& level, const PlanarField& field) {
   constexpr double kLeastGain = 6.0;  // of log likelihood: four hundred to one
   const auto point = field.vanishing_point();
   if (level.light.empty() || !point) return std::nullopt;
+  const Profile profile = profile_of(level, field);
+  if (profile.k.empty()) return std::nullopt;
   // Straight below the vanishing point lies what is below the camera.
-  const Search found = search(profile_of(level, field), field.k_at(point->x(), point->y() + field.length));
-  if (found.score_any < found.score_same + kLeastGain) return std::nullopt;
-  return found.any;
+  const Search found = search(profile, field.k_at(point->x(), point->y() + field.length));
+  const bool elsewhere = found.score_any > found.score_same + kLeastGain;
+  return FoundRelief{elsewhere ? found.any : found.same, elsewhere};
 }
 
 }  // namespace furrow::rows

@@ -23,10 +23,17 @@ struct Relief {
   Relief in_own_rows() const;
 };
 
-/// Where tops, walls and ground of any look explain the picture much better than with the tops at the
-/// field's rows: the relief that explains it best. Strips of grass that are greener than the crop make rows,
-/// too, but walls hide them ever more to the sides. `level` is the picture's map, levelled; the field's rows
-/// are straight and meet in its picture.
-std::optional<Relief> other_relief(const GreenMap& level, const PlanarField& field);
+/// The relief that explains a picture.
+struct FoundRelief {
+  Relief relief;
+  /// Its tops are not the field's rows, and explain much more than tops there do: strips of grass that are
+  /// greener than the crop make rows, too, but walls hide them ever more to the sides.
+  bool elsewhere = false;
+};
+
+/// The tops, walls and ground of any look that explain the picture best; with tops at the field's rows where
+/// none explain it much better. `level` is the picture's map, levelled; the field's rows are straight and
+/// meet in its picture. Nothing without colour or where rows are parallel in the picture.
+std::optional<FoundRelief> find_relief(const GreenMap& level, const PlanarField& field);
 
 }  // namespace furrow::rows

@@ -63,23 +63,38 @@ constexpr double kRowHeight = 1.4, kMostPixels = 1e6;
 
 TEST(Relief, TopsAreFoundWhereTheFieldHasTheGrass) {
   const PlanarField grass = field_at(kOverTops + kRowHeight, kAside - 0.5 * kSpacing);
-  const auto relief = other_relief(green_map(vineyard(kRowHeight), kMostPixels), grass);
-  ASSERT_TRUE(relief);
+  const auto found = find_relief(green_map(vineyard(kRowHeight), kMostPixels), grass);
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->elsewhere);
+  const Relief& relief = found->relief;
   // In the ground's spacings: what is as high as the tops looks farther aside.
   const double stretch = (kOverTops + kRowHeight) / kOverTops;
-  EXPECT_NEAR(relief->spacing, stretch, 0.08 * stretch);
+  EXPECT_NEAR(relief.spacing, stretch, 0.08 * stretch);
   const double camera = -(kAside - 0.5 * kSpacing) / kSpacing, axis = camera + kAside / kSpacing * stretch;
-  EXPECT_NEAR(relief->camera, camera, 1e-6);
-  EXPECT_NEAR(std::remainder(relief->middle - axis, stretch), 0.0, 0.12 * stretch);
+  EXPECT_NEAR(relief.camera, camera, 1e-6);
+  EXPECT_NEAR(std::remainder(relief.middle - axis, stretch), 0.0, 0.12 * stretch);
 }
 
 TEST(Relief, TopsOfTheFieldStay) {
-  EXPECT_FALSE(other_relief(green_map(vineyard(kRowHeight), kMostPixels), field_at(kOverTops, kAside)));
+  const auto found = find_relief(green_map(vineyard(kRowHeight), kMostPixels), field_at(kOverTops, kAside));
+  ASSERT_TRUE(found);
+  EXPECT_FALSE(found->elsewhere);
+  EXPECT_NEAR(found->relief.spacing, 1.0, 0.05);
+  EXPECT_NEAR(found->relief.middle, 0.0, 0.05);
 }
 
-TEST(Relief, StripesOnFlatGroundHaveNone) {
+TEST(Relief, StripesOnFlatGroundStayRows) {
   const GreenMap flat = green_map(vineyard(0.0), kMostPixels);
-  EXPECT_FALSE(other_relief(flat, field_at(kOverTops, kAside)));
+  const auto found = find_relief(flat, field_at(kOverTops, kAside));
+  ASSERT_TRUE(found);
+  EXPECT_FALSE(found->elsewhere);
+}
+
+TEST(Relief, NothingIsFoundWithoutColourOrPicture) {
+  EXPECT_FALSE(find_relief(GreenMap{}, field_at(kOverTops, kAside)));
+  PlanarField parallel = field_at(kOverTops, kAside);
+  parallel.convergence = 0.0;
+  EXPECT_FALSE(find_relief(green_map(vineyard(kRowHeight), kMostPixels), parallel));
 }
 
 TEST(Relief, SurfacesFromTopToGroundOutwards) {
