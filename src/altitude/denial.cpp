@@ -46,7 +46,7 @@ bool is_miscount(double height_m, double off_m, double sigma_m) {
 constexpr const char* kLookAtRows =
     "a line that is no row may have been counted: look at the picture of its rows";
 
-Error denied_fit(const AloneShot& shot, double limit) {
+Error denied_fit(const JudgedShot& shot, double limit) {
   return Error{"rows_do_not_fit", shot.shot_id,
                "rows that miss a field with the farm's numbers and the gimbal's angles by " +
                    base::format_fixed(shot.residual_rms, 1) +
@@ -54,7 +54,7 @@ Error denied_fit(const AloneShot& shot, double limit) {
                "at most " + base::format_fixed(limit, 1), kLookAtRows};
 }
 
-Error denied_height(const AloneShot& shot, const Estimate& middle, double off_m, double limit_m) {
+Error denied_height(const JudgedShot& shot, const Estimate& middle, double off_m, double limit_m) {
   return Error{"denied_by_neighbours", shot.shot_id,
                "by its rows " + base::format_fixed(shot.height_above_canopy_m.value, 2) +
                    " m above the canopy, " + base::format_fixed(off_m, 2) + " m off what the log makes of " +
@@ -64,11 +64,11 @@ Error denied_height(const AloneShot& shot, const Estimate& middle, double off_m,
 
 }  // namespace
 
-std::vector<std::optional<Error>> denied_shots(const std::vector<AloneShot>& shots,
+std::vector<std::optional<Error>> denied_shots(const std::vector<JudgedShot>& shots,
                                                const FlightOptions& options) {
   std::vector<std::optional<Error>> errors(shots.size());
   std::vector<double> rms;
-  for (const AloneShot& shot : shots) rms.push_back(shot.residual_rms);
+  for (const JudgedShot& shot : shots) rms.push_back(shot.residual_rms);
   // Where all shots fit worse than they claim, the claim is wrong, not every shot.
   const double limit = options.misfit_over_others * std::max(1.0, stats::median(rms));
   std::vector<Offset> offsets;
@@ -87,7 +87,7 @@ std::vector<std::optional<Error>> denied_shots(const std::vector<AloneShot>& sho
     const Estimate& own = offsets[k].above_log_m;
     const double off_m = own.value - middle.value;
     const double sigma_m = std::hypot(own.sigma, middle.sigma, options.log_step_sigma_m);
-    const AloneShot& shot = shots[offsets[k].shot];
+    const JudgedShot& shot = shots[offsets[k].shot];
     const bool miscount = is_miscount(shot.height_above_canopy_m.value, off_m, sigma_m);
     const double limit_m = sigma_m * (miscount ? std::min(kMiscountSigmas, options.neighbour_conflict_sigmas)
                                                : options.neighbour_conflict_sigmas);

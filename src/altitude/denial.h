@@ -8,8 +8,8 @@
 
 namespace furrow::altitude {
 
-/// What one shot says by itself.
-struct AloneShot {
+/// What a shot says, by itself or in its flight.
+struct JudgedShot {
   std::string shot_id;
   Estimate height_above_canopy_m;
   double log_height_m = std::numeric_limits<double>::quiet_NaN();  ///< as ShotInput's
@@ -21,7 +21,7 @@ struct AloneShot {
 /// then, of the rest, those whose height parts from their neighbours' and the log's steps
 /// (denied_by_neighbours, eq. 9.8). Their rows were miscounted, and tied to the others they would bend the
 /// flight.
-std::vector<std::optional<Error>> denied_shots(const std::vector<AloneShot>& shots,
+std::vector<std::optional<Error>> denied_shots(const std::vector<JudgedShot>& shots,
                                                const FlightOptions& options);
 
 }  // namespace furrow::altitude

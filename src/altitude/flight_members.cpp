@@ -54,26 +54,24 @@ std::vector<FlightMember> prepare(const std::vector<ShotInput>& shots, const Cam
   return members;
 }
 
-/// Takes out shots whose rows the others deny, with their reasons.
-void leave_out_denied(const std::vector<ShotInput>& shots, const FlightOptions& options,
+/// Takes out members that the others deny by what each says, with their reasons; false when there are none.
+bool leave_out_denied(const std::vector<JudgedShot>& said, const FlightOptions& options,
                       std::vector<FlightMember>& members, RefinedFlight& result) {
-  std::vector<AloneShot> alone;
-  for (const FlightMember& member : members) {
-    const ShotInput& input = shots[member.input];
-    alone.push_back(
-        {input.shot_id, member.alone.height_above_canopy_m, input.log_height_m, member.alone.residual_rms});
-  }
-  const auto denied = denied_shots(alone, options);
+  const auto denied = denied_shots(said, options);
   std::vector<FlightMember> kept;
   for (std::size_t i = 0; i < members.size(); ++i) {
     if (!denied[i]) {
       kept.push_back(std::move(members[i]));
       continue;
     }
-    result.status[members[i].input] = denied[i]->code;
-    result.reason[members[i].input] = denied[i]->message();
+    const std::size_t input = members[i].input;
+    result.shots[input] = {};
+    result.status[input] = denied[i]->code;
+    result.reason[input] = denied[i]->message();
   }
+  const bool any = kept.size() < members.size();
   members = std::move(kept);
+  return any;
 }
 
 /// One canopy, one raggedness: the median of what the shots show.
@@ -92,9 +90,27 @@ std::vector<FlightMember> members_of(const std::vector<ShotInput>& shots, const 
                                      const FieldKnowledge& field, const Farm& farm,
                                      const FlightOptions& options, RefinedFlight& result) {
   std::vector<FlightMember> members = prepare(shots, camera, field, farm, options, result);
-  leave_out_denied(shots, options, members, result);
+  std::vector<JudgedShot> alone;
+  for (const FlightMember& member : members) {
+    const ShotInput& input = shots[member.input];
+    alone.push_back(
+        {input.shot_id, member.alone.height_above_canopy_m, input.log_height_m, member.alone.residual_rms});
+  }
+  leave_out_denied(alone, options, members, result);
   share_roughness(members);
   return members;
+}
+
+bool leave_out_denied_in_flight(const std::vector<ShotInput>& shots, const std::vector<double>& member_rms,
+                                const FlightOptions& options, std::vector<FlightMember>& members,
+                                RefinedFlight& result) {
+  std::vector<JudgedShot> in_flight;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const ShotInput& input = shots[members[i].input];
+    in_flight.push_back({input.shot_id, result.shots[members[i].input].height_above_canopy_m,
+                         input.log_height_m, member_rms[i]});
+  }
+  return leave_out_denied(in_flight, options, members, result);
 }
 
 }  // namespace furrow::altitude

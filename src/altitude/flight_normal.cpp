@@ -57,6 +57,10 @@ FlightNormal normal_of(const FlightSystem& flight, double repeats) {
     count += static_cast<double>(parts.back().residuals.size());
   }
   FlightNormal normal;
+  for (const MemberJacobian& part : parts) {
+    const double own = static_cast<double>(part.residuals.size()) - kPoseSize;
+    normal.member_rms.push_back(std::sqrt(part.residuals.squaredNorm() / std::max(1.0, own)));
+  }
   const double freedom = count - kPoseSize * static_cast<double>(flight.members.size());
   normal.noise_scale2 = noise_scale2(squares, freedom);
   normal.residual_rms = freedom > 0.0 ? std::sqrt(squares / freedom) : 0.0;

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <vector>
 
 #include "arrow.h"
 #include "flight_system.h"
@@ -22,6 +23,7 @@ MemberJacobian linearise(const FlightMember& member, const SharedVector& shared)
 struct FlightNormal {
   ArrowMatrix matrix;
   double noise_scale2 = 1.0, residual_rms = 0.0;
+  std::vector<double> member_rms;  ///< of each member's own residuals
 };
 
 /// `repeats` shots in a row tell the shared quantities no more than one (eq. 9.7).

@@ -29,6 +29,7 @@ void describe_shared(const FlightSystem& flight, const Eigen::MatrixXd& covarian
   result.shared_correlation =
       sigma.cwiseInverse().asDiagonal() * covariance * sigma.cwiseInverse().asDiagonal();
   const int count = static_cast<int>(flight.members.size());
+  result.shared.clear();
   for (int i = 0; i < kSharedSize; ++i) {
     SharedQuantity quantity;
     quantity.name = kSharedNames[i];

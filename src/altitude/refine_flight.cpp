@@ -4,6 +4,30 @@
 #include "furrow/altitude/flight.h"
 
 namespace furrow::altitude {
+namespace {
+
+constexpr int kMostRounds = 3;  // of leaving out shots that the rest deny
+
+/// Refines the members and describes them in `result`.
+Result<FlightNormal> refine(FlightSystem& flight, const std::vector<ShotInput>& shots, const Camera& camera,
+                            const FieldKnowledge& field, const FlightOptions& options,
+                            RefinedFlight& result) {
+  flight.ties = ties_of(flight.members, shots, options);
+  const SolveReport report = solve(flight, options);
+  result.iterations = report.iterations;
+  result.termination = report.termination;
+  FlightNormal normal = normal_of(flight, options.shots_per_stretch);
+  const auto inverse = invert(normal.matrix);
+  if (!report.usable || !inverse) {
+    return Error{"solve_failed", "flight", "no convergence (" + report.termination + ")",
+                 "shots over one field", ""};
+  }
+  result.residual_rms = normal.residual_rms;
+  describe(flight, *inverse, normal.noise_scale2, camera, field, result);
+  return normal;
+}
+
+}  // namespace
 
 Result<RefinedFlight> refine_flight(const std::vector<ShotInput>& shots, const Camera& camera,
                                     const FieldKnowledge& field, const FlightOptions& options) {
@@ -19,21 +43,15 @@ Result<RefinedFlight> refine_flight(const std::vector<ShotInput>& shots, const C
     return Error{"no_usable_shot", shots.front().shot_id, result.reason.front(),
                  "a shot with two or more rows", ""};
   }
-  flight.ties = ties_of(flight.members, shots, options);
   flight.shared_priors = shared_priors(farm, shots, options);
   for (const ParameterPrior& prior : flight.shared_priors)
     flight.shared[prior.parameter] = prior.wanted.value;
-  const SolveReport report = solve(flight, options);
-  result.iterations = report.iterations;
-  result.termination = report.termination;
-  const FlightNormal normal = normal_of(flight, options.shots_per_stretch);
-  const auto inverse = invert(normal.matrix);
-  if (!report.usable || !inverse) {
-    return Error{"solve_failed", "flight", "no convergence (" + report.termination + ")",
-                 "shots over one field", ""};
+  for (int round = 1;; ++round) {
+    FURROW_TRY(const FlightNormal normal, refine(flight, shots, camera, field, options, result));
+    if (round == kMostRounds ||
+        !leave_out_denied_in_flight(shots, normal.member_rms, options, flight.members, result))
+      break;
   }
-  result.residual_rms = normal.residual_rms;
-  describe(flight, *inverse, normal.noise_scale2, camera, field, result);
   result.usable = true;
   return result;
 }

@@ -6,11 +6,11 @@
 namespace furrow::altitude {
 namespace {
 
-AloneShot shot_of(double height_m, double sigma_m, double log_m, double residual_rms = 1.0) {
+JudgedShot shot_of(double height_m, double sigma_m, double log_m, double residual_rms = 1.0) {
   return {"shot", {height_m, sigma_m, 10}, log_m, residual_rms};
 }
 
-std::vector<std::string> codes(const std::vector<AloneShot>& shots) {
+std::vector<std::string> codes(const std::vector<JudgedShot>& shots) {
   std::vector<std::string> codes;
   for (const auto& error : denied_shots(shots, {})) codes.push_back(error ? error->code : "");
   return codes;
@@ -27,7 +27,7 @@ TEST(Denial, UnsureNeighboursDoNotHideAMiscount) {
 // Seven heights over corn of which one counts every second row: neighbours that scatter leave it within five
 // sigmas, but half of it is what they say.
 TEST(Denial, TwiceTheNeighboursHeightIsAMiscount) {
-  const std::vector<AloneShot> shots = {shot_of(1.10, 0.06, 0.0),  shot_of(1.05, 0.10, 0.0),
+  const std::vector<JudgedShot> shots = {shot_of(1.10, 0.06, 0.0),  shot_of(1.05, 0.10, 0.0),
                                         shot_of(2.12, 0.08, -0.1), shot_of(1.15, 0.07, -0.1),
                                         shot_of(1.34, 0.16, -0.3), shot_of(1.35, 0.07, -0.1)};
   EXPECT_EQ(codes(shots), (std::vector<std::string>{"", "", "denied_by_neighbours", "", "", ""}));
@@ -52,10 +52,10 @@ TEST(Denial, AShotWithoutALogHeightIsNoNeighbour) {
 }
 
 TEST(Denial, RowsThatFitFarWorseThanTheOthersAreNamedFirst) {
-  auto shots = std::vector<AloneShot>(5, shot_of(2.0, 0.05, 0.0, 1.1));
+  auto shots = std::vector<JudgedShot>(5, shot_of(2.0, 0.05, 0.0, 1.1));
   shots[1].residual_rms = 3.5;
   EXPECT_EQ(codes(shots), (std::vector<std::string>{"", "rows_do_not_fit", "", "", ""}));
-  for (AloneShot& shot : shots) shot.residual_rms *= 3.0;
+  for (JudgedShot& shot : shots) shot.residual_rms *= 3.0;
   shots[1].residual_rms = 7.0;  // where all fit badly, the claims are wrong
   EXPECT_EQ(codes(shots), std::vector<std::string>(5, ""));
 }

@@ -250,6 +250,31 @@ TEST(RefineFlight, AShotThatItsNeighboursDenyIsLeftOutAndNamed) {
   EXPECT_EQ(blind->status[5], "ok");  // nobody to ask
 }
 
+// Rows half as wide fit a shot alone, whose field is told to a tenth only; beside the flight's they do not.
+TEST(RefineFlight, AShotThatFitsAloneButNotTheFlightIsLeftOutAndNamed) {
+  base::Random random(33);
+  const Camera camera = testing::thesis_camera();
+  TestFlight flight = fly(12, {}, kNoise, random);
+  for (ShotInput& shot : flight.shots) shot.log_height_m = std::nan("");  // nobody to ask
+  World wrong = flight.worlds[5];
+  wrong.half_width_m = wrong.base_half_width_m = 0.3;
+  flight.shots[5].lines = testing::picture_of(wrong, camera, kNoise, 7);
+  const auto alone = refine_shot(flight.shots[5].lines, camera, flight.field, flight.shots[5].attitude);
+  ASSERT_TRUE(alone.ok()) << alone.error().message();
+  EXPECT_LT(alone->residual_rms, 1.5);
+  const auto refined = refine_flight(flight.shots, camera, flight.field, level_ground());
+  ASSERT_TRUE(refined.ok()) << refined.error().message();
+  EXPECT_EQ(refined->status[5], "rows_do_not_fit");
+  EXPECT_FALSE(refined->shots[5].usable);
+  EXPECT_NE(refined->reason[5].find("shot5"), std::string::npos);
+  for (std::size_t i = 0; i < 12; ++i) {
+    if (i == 5) continue;
+    EXPECT_EQ(refined->status[i], "ok") << i;
+    EXPECT_TRUE(refined->reason[i].empty()) << i;
+  }
+  EXPECT_NEAR(refined->half_width_m.value, 0.6, 4.0 * refined->half_width_m.sigma);
+}
+
 TEST(RefineFlight, ATerraceDeniesNobody) {
   base::Random random(32);
   TestFlight flight = fly(12, {}, kNoise, random);

@@ -46,8 +46,8 @@ struct FlightOptions {
   /// One-sigma of a step of the height itself between neighbouring shots; NaN for no such tie.
   double height_step_sigma_m = std::numeric_limits<double>::quiet_NaN();
   /// A shot whose own rows, farm and gimbal fit worse than this many times the flight's median (or their
-  /// claims, where that is better) is left out with the status rows_do_not_fit. Right shots of renders fit
-  /// within 2.0 times.
+  /// claims, where that is better), alone or beside what the flight shares, is left out with the status
+  /// rows_do_not_fit. Right shots of renders fit alone within 2.0 times.
   double misfit_over_others = 2.5;
   /// A shot whose own height is farther from what the log's steps make of up to six shots around it than this
   /// many sigmas (its own, their scatter, log_step_sigma_m), or than 2.5 of them where half or twice its
