@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 namespace furrow::rows {
@@ -91,30 +92,50 @@ int part_of(double fraction, int parts) {
   return std::clamp(static_cast<int>(fraction * parts), 0, parts - 1);
 }
 
+/// std::floor is a call where the processor is not told; it is most of the search's time.
+double floor_of(double x) {
+  const double whole = static_cast<double>(static_cast<std::int64_t>(x));
+  return whole > x ? whole - 1.0 : whole;
+}
+
 /// A place on a surface.
 struct Place {
   Surface surface;
   int part = 0;  ///< among kParts
 };
 
-Place place_at(const Relief& relief, double k) {
-  const double x = k - relief.camera, axis = relief.middle - relief.camera;
-  const double periods = (x - axis) / relief.spacing;
-  const double off = (periods - std::round(periods)) * relief.spacing;
-  if (std::abs(off) <= relief.half_width)
-    return {Surface::top, part_of(0.5 + 0.5 * off / relief.half_width, kTopParts)};
-  // The next row outwards stands before what lies behind it, from its foot on.
-  const bool right = x >= 0.0;
-  const double next = right ? std::ceil(periods) : std::floor(periods);
-  const double edge = axis + next * relief.spacing - (right ? relief.half_width : -relief.half_width);
-  const double foot = relief.foot * edge;
-  if ((edge > 0.0) == right && std::abs(x) > std::abs(foot)) {
-    const double up = (x - foot) / (edge - foot);
-    return {Surface::wall, kTopParts + (right ? 0 : kWallParts) + part_of(up, kWallParts)};
+/// A relief with what every place needs of it.
+class Surfaces {
+ public:
+  explicit Surfaces(const Relief& relief)
+      : relief_(relief),
+        axis_(relief.middle - relief.camera),
+        per_period_(1.0 / relief.spacing),
+        half_width_(relief.half_width / relief.spacing) {}
+
+  Place at(double k) const {
+    const double x = k - relief_.camera;
+    const double periods = (x - axis_) * per_period_;
+    const double off = periods - floor_of(periods + 0.5);
+    if (std::abs(off) <= half_width_)
+      return {Surface::top, part_of(0.5 + 0.5 * off / half_width_, kTopParts)};
+    // The next row outwards stands before what lies behind it, from its foot on.
+    const bool right = x >= 0.0;
+    const double next = right ? floor_of(periods) + 1.0 : floor_of(periods);
+    const double edge = axis_ + (next + (right ? -half_width_ : half_width_)) * relief_.spacing;
+    const double foot = relief_.foot * edge;
+    if ((edge > 0.0) == right && std::abs(x) > std::abs(foot)) {
+      const double up = (x - foot) / (edge - foot);
+      return {Surface::wall, kTopParts + (right ? 0 : kWallParts) + part_of(up, kWallParts)};
+    }
+    const double ground = (x / relief_.foot - axis_) * per_period_;
+    return {Surface::ground, kTopParts + 2 * kWallParts + part_of(ground - floor_of(ground), kGroundParts)};
   }
-  const double ground = (x / relief.foot - axis) / relief.spacing;
-  return {Surface::ground, kTopParts + 2 * kWallParts + part_of(ground - std::floor(ground), kGroundParts)};
-}
+
+ private:
+  const Relief& relief_;
+  double axis_, per_period_, half_width_;
+};
 
 /// Log likelihood of the picture where each part has one look.
 double score_of(const Profile& profile, const Relief& relief) {
@@ -123,8 +144,9 @@ double score_of(const Profile& profile, const Relief& relief) {
   constexpr double kLeastLeft = 0.05;
   std::array<float, kParts> count{};
   std::array<Features, kParts> sum{};
+  const Surfaces surfaces(relief);
   for (std::size_t i = 0; i < profile.k.size(); ++i) {
-    const auto part = static_cast<std::size_t>(place_at(relief, static_cast<double>(profile.k[i])).part);
+    const auto part = static_cast<std::size_t>(surfaces.at(static_cast<double>(profile.k[i])).part);
     count[part] += 1.0F;
     for (std::size_t f = 0; f < kFeatures; ++f) sum[part][f] += profile.feature[f][i];
   }
@@ -183,7 +205,7 @@ Search search(const Profile& profile, double camera) {
 }  // namespace
 
 Surface Relief::surface_at(double k) const {
-  return place_at(*this, k).surface;
+  return Surfaces(*this).at(k).surface;
 }
 
 Relief Relief::in_own_rows() const {
