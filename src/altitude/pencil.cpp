@@ -33,9 +33,8 @@ bool lies_at_its_row(const EdgeLine& line, double slope, const PencilVector& x) 
 
 }  // namespace
 
-Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
-                          const AttitudePrior& prior, int least_rows) {
-  FURROW_TRY(const GimbalPrior gimbal, gimbal_prior(prior));
+Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& field, const GimbalPrior& gimbal,
+                          int least_rows) {
   FURROW_TRY(std::vector<EdgeLine> lines, usable_lines(rows, least_rows < 2 && gimbal.theta.usable()));
   const bool is_alone = distinct_rows(lines) < 2;
   const RowDirectionFit direction = fit_direction(lines);

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "furrow/altitude/shot_height.h"
+#include "gimbal_prior.h"
 #include "row_block.h"
 
 namespace furrow::altitude {
@@ -25,8 +26,8 @@ struct Pencil {
 };
 
 /// With `least_rows` 1 a row alone will do where the prior knows the pitch: then b is next to unknown.
-/// Errors: as from_spacing, and rows_across, camera_along_horizon.
-Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
-                          const AttitudePrior& prior, int least_rows = 2);
+/// Errors: as from_spacing but for the prior's, and rows_across, camera_along_horizon.
+Result<Pencil> fit_pencil(const RowsOnUnitPlane& rows, const FieldKnowledge& field, const GimbalPrior& gimbal,
+                          int least_rows = 2);
 
 }  // namespace furrow::altitude

@@ -19,27 +19,16 @@ Eigen::Matrix<double, 8, kShotSize> output_jacobian(const ShotVector& x) {
   return t;
 }
 
-Result<ShotSystem> build_system(const Pencil& pencil, const Farm& farm, const AttitudePrior& prior,
-                                const RefineOptions& options) {
-  FURROW_TRY(const GimbalPrior gimbal, gimbal_prior(prior));
+ShotSystem build_system(const Pencil& pencil, const Farm& farm, const GimbalPrior& gimbal, bool roll_given) {
   ShotSystem system;
   for (const RowBlock& rows : pencil.blocks) system.blocks.push_back({rows, {}, {}});
-  system.priors = angle_priors(gimbal, prior.roll_rad.usable(), options);
+  system.priors = angle_priors(gimbal, roll_given);
   for (ParameterPrior& p : farm_priors(farm)) system.priors.push_back(std::move(p));
   system.wander = {farm.planting_sigma_m, farm.growth_sigma_m, farm.foot_sigma_m};
   return system;
 }
 
 }  // namespace
-
-AttitudePrior over_slope(AttitudePrior prior, const RefineOptions& options) {
-  const auto widen = [](Estimate& angle, double sigma) {
-    if (angle.usable()) angle.sigma = std::hypot(angle.sigma, sigma);
-  };
-  widen(prior.pitch_rad, options.terrain_slope_sigma_rad);
-  widen(prior.roll_rad, options.slope_across_sigma_rad);
-  return prior;
-}
 
 SolveReport solve(const ShotSystem& system, ShotVector& x, bool robust, const RefineOptions& options) {
   double* const pose = x.data();
@@ -141,9 +130,10 @@ Result<PreparedShot> prepare_directions(const RowsOnUnitPlane& directions, const
                                         const Farm& farm, const AttitudePrior& prior,
                                         const RefineOptions& options) {
   // A start that trusts the gimbal over a slope gives lines to wrong edges.
-  FURROW_TRY(const Pencil pencil, fit_pencil(directions, field, over_slope(prior, options)));
+  FURROW_TRY(const GimbalPrior gimbal, gimbal_prior(over_slope(prior, options)));
+  FURROW_TRY(const Pencil pencil, fit_pencil(directions, field, gimbal));
   PreparedShot shot;
-  FURROW_TRY(shot.system, build_system(pencil, farm, prior, options));
+  shot.system = build_system(pencil, farm, gimbal, prior.roll_rad.usable());
   shot.x = start_of(pencil, farm);
   if (!shot.x.allFinite() || !sane_pose(shot.x.data())) {
     return Error{"ill_conditioned", "rows", "rows whose slopes mean no height that can be flown",

@@ -62,16 +62,10 @@ std::vector<ParameterPrior> farm_priors(const Farm& farm) {
           {"foliage", at + kSoftness, farm.softness, farm.softness_given}};
 }
 
-std::vector<ParameterPrior> angle_priors(const GimbalPrior& gimbal, bool roll_given,
-                                         const RefineOptions& options) {
+std::vector<ParameterPrior> angle_priors(const GimbalPrior& over_slope, bool roll_given) {
   std::vector<ParameterPrior> priors;
-  const auto widened = [](Estimate e, double slope_sigma_rad) {
-    e.sigma = std::hypot(e.sigma, slope_sigma_rad);
-    return e;
-  };
-  if (gimbal.theta.usable())
-    priors.push_back({"pitch", kTheta, widened(gimbal.theta, options.terrain_slope_sigma_rad), true});
-  priors.push_back({"roll", kLambda, widened(gimbal.lambda, options.slope_across_sigma_rad), roll_given});
+  if (over_slope.theta.usable()) priors.push_back({"pitch", kTheta, over_slope.theta, true});
+  priors.push_back({"roll", kLambda, over_slope.lambda, roll_given});
   return priors;
 }
 

@@ -101,9 +101,8 @@ struct PriorCost {
 
 /// Priors on the farm's numbers.
 std::vector<ParameterPrior> farm_priors(const Farm& farm);
-/// Priors on a shot's angles, widened by the terrain's slope.
-std::vector<ParameterPrior> angle_priors(const GimbalPrior& gimbal, bool roll_given,
-                                         const RefineOptions& options);
+/// Priors on a shot's angles against the rows' plane.
+std::vector<ParameterPrior> angle_priors(const GimbalPrior& over_slope, bool roll_given);
 
 /// The pencil in metres: the start of the refinement.
 ShotVector start_of(const Pencil& pencil, const Farm& farm);

@@ -116,7 +116,8 @@ SpacingHeight in_metres(const Pencil& pencil, const FieldKnowledge& field, const
 
 Result<SpacingHeight> from_spacing(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
                                    const AttitudePrior& prior) {
-  FURROW_TRY(const Pencil pencil, fit_pencil(rows, field, prior));
+  FURROW_TRY(const GimbalPrior gimbal, gimbal_prior(prior));
+  FURROW_TRY(const Pencil pencil, fit_pencil(rows, field, gimbal));
   FieldKnowledge known = field;
   if (!field.row_spacing_m.usable()) known.half_width_m = {};
   return in_metres(pencil, known, {});
@@ -124,7 +125,8 @@ Result<SpacingHeight> from_spacing(const RowsOnUnitPlane& rows, const FieldKnowl
 
 Result<SpacingHeight> from_any_scale(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
                                      const AttitudePrior& prior, const Estimate& height_above_canopy_m) {
-  FURROW_TRY(const Pencil pencil, fit_pencil(rows, field, prior, 1));
+  FURROW_TRY(const GimbalPrior gimbal, gimbal_prior(prior));
+  FURROW_TRY(const Pencil pencil, fit_pencil(rows, field, gimbal, 1));
   return in_metres(pencil, field, height_above_canopy_m);
 }
 

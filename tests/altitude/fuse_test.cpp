@@ -141,34 +141,35 @@ TEST(Fuse, AnswersWithEachSourceSwitchedOff) {
   }
 }
 
-/// Options of a flight that hardly moves, so that only what its samples share can leave the height open.
-FuseOptions still_flight() {
-  FuseOptions still = options();
-  still.acceleration_sigma = 0.001;
-  return still;
+/// So many samples alike, one a second.
+std::vector<HeightSample> a_second_apart(std::size_t count, const HeightSample& each = {}) {
+  std::vector<HeightSample> samples(count, each);
+  for (std::size_t i = 0; i < count; ++i) samples[i].t_s = static_cast<double>(i);
+  return samples;
 }
 
-/// Sigma of the height in the middle of the samples.
-double middle_sigma_m(const std::vector<HeightSample>& samples, const FuseOptions& how) {
-  const auto fused = fuse(samples, how);
-  EXPECT_TRUE(fused.ok()) << fused.error().message();
-  return fused.ok() ? fused->heights[samples.size() / 2].above_canopy_m.sigma : std::nan("");
+/// An aircraft that hardly moves, so that only what its samples share can leave the height open: it does, by
+/// `shared_m`, however many samples there are.
+void expect_no_better_than(double shared_m, const std::vector<HeightSample>& samples, FuseOptions still) {
+  still.acceleration_sigma = 0.001;
+  const auto fused = fuse(samples, still);
+  ASSERT_TRUE(fused.ok()) << fused.error().message();
+  const double sigma_m = fused->heights[samples.size() / 2].above_canopy_m.sigma;
+  EXPECT_GT(sigma_m, shared_m);
+  EXPECT_LT(sigma_m, shared_m + 0.005);
 }
 
 // A wrong spacing shifts every shot alike: a thousand shots are no better than the spacing.
 TEST(Fuse, ErrorsCommonToTheFlightDoNotAverageOut) {
   base::Random random(4);
-  std::vector<HeightSample> samples(200);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    samples[i].t_s = static_cast<double>(i);
-    samples[i].vision_above_canopy_m = {2.06 + random.normal(0.0, 0.04), 0.05, 1};
-    samples[i].vision_shared = {{"row_spacing", 0.03}};
+  auto samples = a_second_apart(200);
+  for (HeightSample& sample : samples) {
+    sample.vision_above_canopy_m = {2.06 + random.normal(0.0, 0.04), 0.05, 1};
+    sample.vision_shared = {{"row_spacing", 0.03}};
   }
-  FuseOptions still = still_flight();
-  still.shots_per_stretch = 1.0;
-  const double sigma_m = middle_sigma_m(samples, still);
-  EXPECT_GT(sigma_m, 0.03);
-  EXPECT_LT(sigma_m, 0.035);
+  FuseOptions o = options();
+  o.shots_per_stretch = 1.0;
+  expect_no_better_than(0.03, samples, o);
 }
 
 // Low and oblique, the outline stands 10 cm over the top, as the downward sensor tells; high and straight
@@ -194,42 +195,30 @@ TEST(Fuse, CausesThatPicturesShareAreToldApart) {
 
 // Leaves that a downward sensor hits may lie under the named top: a hundred readings are no better than that.
 TEST(Fuse, TheLeavesLevelDoesNotAverageOut) {
-  std::vector<HeightSample> samples(100);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    samples[i].t_s = static_cast<double>(i);
-    samples[i].vision_above_canopy_m = {2.0, 0.5, 1};
-    samples[i].vision_shared = {{"outline", 0.499}};
-    samples[i].vps_height_m = 2.0;
-  }
-  FuseOptions still = still_flight();
-  still.vps_canopy_sigma_m = 0.05;
-  const double sigma_m = middle_sigma_m(samples, still);
-  EXPECT_GT(sigma_m, 0.05);
-  EXPECT_LT(sigma_m, 0.055);
+  HeightSample each;
+  each.vision_above_canopy_m = {2.0, 0.5, 1};
+  each.vision_shared = {{"outline", 0.499}};
+  each.vps_height_m = 2.0;
+  FuseOptions o = options();
+  o.vps_canopy_sigma_m = 0.05;
+  expect_no_better_than(0.05, a_second_apart(100, each), o);
 }
 
 // A network's scale is wrong for the whole flight.
 TEST(Fuse, ADepthMapsScaleDoesNotAverageOut) {
-  std::vector<HeightSample> samples(100);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    samples[i].t_s = static_cast<double>(i);
-    samples[i].depth_above_canopy_m = {2.0, 0.22, 1};
-    samples[i].depth_shared = {{"depth_scale", 0.2}};
-  }
-  FuseOptions still = still_flight();
-  still.depth_bias_sigma_m = 0.001;
-  const double sigma_m = middle_sigma_m(samples, still);
-  EXPECT_GT(sigma_m, 0.2);
-  EXPECT_LT(sigma_m, 0.205);
+  HeightSample each;
+  each.depth_above_canopy_m = {2.0, 0.22, 1};
+  each.depth_shared = {{"depth_scale", 0.2}};
+  FuseOptions o = options();
+  o.depth_bias_sigma_m = 0.001;
+  expect_no_better_than(0.2, a_second_apart(100, each), o);
 }
 
 // Neighbouring shots see the same plants: with r of them alike the mean of n is worth n / r.
 TEST(Fuse, WhatLastsOverAStretchAveragesSlowly) {
-  std::vector<HeightSample> samples(400);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    samples[i].t_s = static_cast<double>(i);
-    samples[i].vision_above_canopy_m = {2.0, 0.1, 1};
-  }
+  HeightSample each;
+  each.vision_above_canopy_m = {2.0, 0.1, 1};
+  const auto samples = a_second_apart(400, each);
   FuseOptions still = options();
   still.acceleration_sigma = 1e-6;
   const auto sigma = [&](double stretch) {
@@ -243,13 +232,12 @@ TEST(Fuse, WhatLastsOverAStretchAveragesSlowly) {
 // Level flight over a slope: the barometer stands still while the canopy rises by two row heights.
 TEST(Fuse, TellsLeavesFromSoilOverASlopeWithoutVision) {
   base::Random random(5);
-  std::vector<HeightSample> samples(80);
+  auto samples = a_second_apart(80);
   std::vector<double> truth;
   std::vector<Seen> seen;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     truth.push_back(6.0 - 0.04 * static_cast<double>(i));
     seen.push_back(i % 11 < 6 ? Seen::canopy : Seen::soil);
-    samples[i].t_s = static_cast<double>(i);
     samples[i].baro_height_m = 20.0 + random.normal(0.0, 0.1);
     samples[i].vps_height_m =
         truth.back() + (seen.back() == Seen::soil ? kCanopy : 0.0) + random.normal(0.0, 0.05);
@@ -264,11 +252,8 @@ TEST(Fuse, TellsLeavesFromSoilOverASlopeWithoutVision) {
 // Never a jump: nobody knows whether these were leaves or soil, and the sigma says so.
 TEST(Fuse, ADownwardSensorOnOneLevelLeavesTheSurfaceOpen) {
   base::Random random(6);
-  std::vector<HeightSample> samples(30);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    samples[i].t_s = static_cast<double>(i);
-    samples[i].vps_height_m = 4.0 + random.normal(0.0, 0.05);
-  }
+  auto samples = a_second_apart(30);
+  for (HeightSample& sample : samples) sample.vps_height_m = 4.0 + random.normal(0.0, 0.05);
   const auto fused = fuse(samples, options());
   ASSERT_TRUE(fused.ok()) << fused.error().message();
   EXPECT_TRUE(fused->surface_open);
@@ -278,11 +263,8 @@ TEST(Fuse, ADownwardSensorOnOneLevelLeavesTheSurfaceOpen) {
 // A sensor twice as noisy as it claims is found out, and the sigma of the heights follows.
 TEST(Fuse, NoiseIsWhatTheFlightShows) {
   base::Random random(7);
-  std::vector<HeightSample> samples(300);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    samples[i].t_s = static_cast<double>(i);
-    samples[i].vision_above_canopy_m = {2.0 + random.normal(0.0, 0.2), 0.1, 1};
-  }
+  auto samples = a_second_apart(300);
+  for (HeightSample& sample : samples) sample.vision_above_canopy_m = {2.0 + random.normal(0.0, 0.2), 0.1, 1};
   FuseOptions still = options();
   still.acceleration_sigma = 0.01;
   still.shots_per_stretch = 1.0;

@@ -221,10 +221,25 @@ TEST(RefineShot, ASlopeWidensWhatTheGimbalSays) {
   EXPECT_NEAR(wide.roll_rad.value, 0.01, 1e-15);
   EXPECT_NEAR(wide.roll_rad.sigma, 0.05, 1e-15);
   EXPECT_FALSE(wide.pitch_rad.usable());
+  const double unknown_sigma_rad = over_slope({}, {.slope_across_sigma_rad = 0.0}).roll_rad.sigma;
+  const Estimate unknown = over_slope({}, slopes).roll_rad;
+  EXPECT_EQ(unknown.value, 0.0);
+  EXPECT_NEAR(unknown.sigma, std::hypot(unknown_sigma_rad, 0.04), 1e-15);
   prior.pitch_rad = {-0.2, 0.05, 1};
   wide = over_slope(prior, slopes);
   EXPECT_NEAR(wide.pitch_rad.sigma, 0.13, 1e-15);
   EXPECT_NEAR(wide.roll_rad.sigma, 0.05, 1e-15);
+}
+
+// A sigma below 0 is an error however steep the ground may be, not a wider prior.
+TEST(RefineShot, ASlopeHidesNoNegativeSigma) {
+  const World world = low_vineyard();
+  AttitudePrior prior = testing::prior_of(world, 0.01, 0.005);
+  prior.roll_rad.sigma = -0.01;
+  const auto shot = refine(world, testing::knowledge_of(world, 0.01), prior);
+  ASSERT_FALSE(shot.ok());
+  EXPECT_EQ(shot.error().code, "not_finite");
+  EXPECT_EQ(shot.error().where, "roll_rad");
 }
 
 // Low over ground that slopes by 10 % along and across, steps between rows grow to the one side: started with

@@ -95,7 +95,7 @@ struct FusedFlight {
   /// One-sigma of the ground's curvature, 1/m, that the other sources' disagreement with vision shows; 0 for
   /// ground that is flat as far as they tell.
   double ground_curvature_per_m = 0.0;
-  int passes = 0;  ///< of smoothing, until nothing changed
+  int passes = 0;  ///< of smoothing, from all starts, until nothing changed
   /// Only a downward sensor fixes the height, and it never changed its level: leaves or soil is a guess, and
   /// the row height stands in the sigma.
   bool surface_open = false;
@@ -103,7 +103,8 @@ struct FusedFlight {
 
 /// Kalman smoother over the flight (docs/formulation/altitude.md, section 11) with height, climb and each
 /// source's bias as state; a downward sensor's reading is taken as canopy, soil or neither, and outliers are
-/// gated, until nothing changes. Errors: no_samples, times_not_increasing, not_finite (options),
+/// gated, until nothing changes; where that sensor's own steps tell its surfaces, from the likelier of two
+/// starts. Errors: no_samples, times_not_increasing, not_finite (options),
 /// no_absolute_height (only sources with unknown offset), no_row_height (VPS alone fixes the height, and the
 /// canopy's height is not known).
 Result<FusedFlight> fuse(const std::vector<HeightSample>& samples, const FuseOptions& options);

@@ -110,7 +110,8 @@ struct RefineOptions {
 };
 
 /// The gimbal's angles against rows on ground that slopes: each sigma grows by the slope's
-/// (RefineOptions::terrain_slope_sigma_rad, slope_across_sigma_rad).
+/// (RefineOptions::terrain_slope_sigma_rad, slope_across_sigma_rad). A roll that is not known is level as for
+/// a camera held by hand, over the same slope.
 AttitudePrior over_slope(AttitudePrior prior, const RefineOptions& options);
 
 /// Height, attitude and offset of one shot from its row centres and edges in pixels, through the full camera
