@@ -66,6 +66,16 @@ void describe_biases(const Belief& last, FusedFlight& flight) {
   flight.depth_bias_m = bias(kDepthBias, HeightSource::depth);
 }
 
+/// At the last sample: they are the same at all.
+void describe_causes(const Belief& last, const FusionSetup& setup, FusedFlight& flight) {
+  for (std::size_t i = 0; i < setup.causes.size(); ++i) {
+    const Eigen::Index at = kFirstCause + static_cast<Eigen::Index>(i);
+    const double sigma = std::sqrt(std::max(0.0, last.covariance(at, at)));
+    flight.causes.push_back(
+        {setup.causes[i], {last.mean[at], sigma, flight.used[place(HeightSource::vision)]}});
+  }
+}
+
 }  // namespace
 
 FusedFlight describe(const std::vector<HeightSample>& samples, const Settled& settled) {
@@ -81,6 +91,7 @@ FusedFlight describe(const std::vector<HeightSample>& samples, const Settled& se
     flight.heights.push_back(describe(samples[i], beliefs[i], labels[i], setup, flight.surface_open));
   count_sources(flight);
   describe_biases(beliefs.back(), flight);
+  describe_causes(beliefs.back(), setup, flight);
   return flight;
 }
 

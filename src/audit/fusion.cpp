@@ -152,6 +152,21 @@ base::CsvTable trials_table(const FlightFusion& fusion) {
   return table;
 }
 
+std::string rise_words(const FlightFusion& fusion) {
+  constexpr double kClearly = 0.7;  // of the sigma that it was taken with
+  const Estimate &taken = fusion.rise_taken_m, &told = fusion.rise_told_m;
+  if (!told.usable() || !(told.sigma < kClearly * taken.sigma)) return {};
+  const auto metres = [](const Estimate& e) {
+    return format_fixed(e.value, 2) + " +- " + format_fixed(e.sigma, 2) + " m";
+  };
+  return "The rows' outline stands " + metres(told) +
+         " over the top that height_m names, as all sources together have it; the pictures' heights took it "
+         "for " +
+         metres(taken) + ". For flights over the same crop without such sources write outline_rise_m: " +
+         format_fixed(told.value, 2) + " and outline_rise_sigma_m: " + format_fixed(told.sigma, 2) +
+         " under rows in project.yaml.";
+}
+
 std::vector<TruthComparison> compare_fusion(const std::vector<ShotRecord>& records,
                                             const FlightFusion& fusion) {
   std::vector<TruthComparison> lines = {against_truth(kAllSources, records, fusion, fusion.fused)};

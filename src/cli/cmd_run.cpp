@@ -66,6 +66,10 @@ base::Value json_of(const project::RunOutcome& outcome) {
   value.set("findings", findings_value(outcome.findings));
   value.set("truth", comparison_value(audit::compare_with_truth(outcome.records)));
   value.set("fusion_truth", comparison_value(outcome.fusion_truth));
+  if (outcome.rise_told_m.usable()) {
+    value.set("outline_rise_m", outcome.rise_told_m.value);
+    value.set("outline_rise_sigma_m", outcome.rise_told_m.sigma);
+  }
   return value;
 }
 
@@ -99,6 +103,7 @@ int print_run(const project::RunOutcome& outcome, bool json) {
     std::printf("\nFused heights, all sources and each switched off\n");
     print_table(audit::comparison_table(outcome.fusion_truth));
   }
+  if (!outcome.rise_words.empty()) std::printf("\n%s\n", outcome.rise_words.c_str());
   const int code = print_findings(outcome.findings);
   std::printf("\nreport: %s\n", outcome.report.c_str());
   return code;

@@ -59,6 +59,28 @@ void add_samples(const sync::Located& located, const std::vector<VisionHeight>& 
   }
 }
 
+/// The median over the pictures' heights: they share one canopy.
+Estimate typical_rise(const std::vector<VisionHeight>& vision) {
+  std::vector<double> values, sigmas;
+  for (const VisionHeight& height : vision) {
+    if (!height.outline_rise_m.usable()) continue;
+    values.push_back(height.outline_rise_m.value);
+    sigmas.push_back(height.outline_rise_m.sigma);
+  }
+  if (values.empty()) return {};
+  return {stats::median(values), stats::median(sigmas), static_cast<int>(values.size())};
+}
+
+/// The rise that is left when the outline's error is taken off: where pictures say too much, it is less.
+Estimate told_rise(const Estimate& taken_m, const altitude::FusedFlight& fused) {
+  for (const altitude::SharedCause& shared : fused.causes) {
+    if (shared.cause != "outline" || !taken_m.usable()) continue;
+    return {taken_m.value - shared.error_sigmas.value * taken_m.sigma,
+            shared.error_sigmas.sigma * taken_m.sigma, taken_m.observations};
+  }
+  return {};
+}
+
 /// How far leaves may lie from the top that the farm names: as far, by the same words, as the pictures leave
 /// the outline open; where the farm tells the outline, it says nothing of the leaves below the aircraft.
 double top_sigma_m(const std::vector<VisionHeight>& vision, const altitude::FieldKnowledge& field) {
@@ -81,11 +103,15 @@ double reach_of(const altitude::RefinedShot& shot) {
 }
 
 VisionHeight vision_of_shot(const altitude::RefinedShot& shot) {
-  VisionHeight height{shot.height_above_canopy_m, {}, reach_of(shot)};
+  VisionHeight height{shot.height_above_canopy_m, {}, reach_of(shot), shot.outline_rise_m};
   for (const altitude::SigmaShare& share : shot.height_budget) {
     if (share.cause != "picture" && share.cause != "plants") height.shared.push_back(share);
   }
   return height;
+}
+
+VisionHeight vision_in_flight(const altitude::RefinedShot& shot) {
+  return {shot.height_above_canopy_m, shot.height_shared, reach_of(shot), shot.outline_rise_m};
 }
 
 Result<audit::FlightFusion> fuse_flight(const sync::Located& located, const std::vector<VisionHeight>& vision,
@@ -100,6 +126,8 @@ Result<audit::FlightFusion> fuse_flight(const sync::Located& located, const std:
   options.row_height_m = field.row_height_m;
   options.vps_canopy_sigma_m = top_sigma_m(vision, field);
   FURROW_TRY(fusion.fused, altitude::fuse(fusion.samples, options));
+  fusion.rise_taken_m = typical_rise(vision);
+  fusion.rise_told_m = told_rise(fusion.rise_taken_m, fusion.fused);
   for (const HeightSource source : audit::speaking_sources(fusion)) {
     altitude::FuseOptions without = options;
     without.use[static_cast<std::size_t>(source)] = false;

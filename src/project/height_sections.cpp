@@ -166,6 +166,7 @@ report::Section fusion_section(const std::vector<audit::ShotRecord>& records,
         "Only the downward sensor fixes the height, and it never changed its level: whether it saw leaves or "
         "soil is not known, and the sigma includes the height of the rows.");
   }
+  if (const std::string rise = audit::rise_words(*fusion); !rise.empty()) section.paragraphs.push_back(rise);
   section.tables = {{"Sources", audit::sources_table(*fusion)},
                     {"Each source switched off", audit::trials_table(*fusion)}};
   const auto comparison = audit::compare_fusion(records, *fusion);

@@ -251,8 +251,7 @@ std::vector<VisionHeight> vision_heights(const std::vector<ShotResult>& results,
   for (std::size_t i = 0; i < results.size(); ++i) {
     heights.push_back(results[i].vision);
     if (flight.ok() && flight->shots[i].usable)
-      heights.back() = {flight->shots[i].height_above_canopy_m, flight->shots[i].height_shared,
-                        reach_of(flight->shots[i])};
+      heights.back() = vision_in_flight(flight->shots[i]);
   }
   return heights;
 }
@@ -436,7 +435,11 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
   outcome.findings = audit::assess_shots(outcome.records, project.field.row_height_m.value);
   outcome.findings.push_back(assess_focal(tables));
   if (true_heights) FURROW_DO(audit::join_truth(outcome.records, *true_heights));
-  if (tables.fusion.ok()) outcome.fusion_truth = audit::compare_fusion(outcome.records, *tables.fusion);
+  if (tables.fusion.ok()) {
+    outcome.fusion_truth = audit::compare_fusion(outcome.records, *tables.fusion);
+    outcome.rise_told_m = tables.fusion->rise_told_m;
+    outcome.rise_words = audit::rise_words(*tables.fusion);
+  }
   FURROW_DO(write_tables(out, tables, outcome.records, budgets));
 
   base::report(job.progress, "drawing", 0, 1);

@@ -141,8 +141,8 @@ void measure_depth(ShotResult& result, const telemetry::Shot& shot, const Projec
     return;
   }
   result.record.above_canopy_depth_m = height->above_canopy_m;
-  result.depth = {height->above_canopy_m,
-                  {{"depth_scale", height->by_scale_m}, {"depth_angles", height->by_angles_m}}};
+  result.depth.above_canopy_m = height->above_canopy_m;
+  result.depth.shared = {{"depth_scale", height->by_scale_m}, {"depth_angles", height->by_angles_m}};
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "furrow/base/random.h"
 #include "furrow/sim/simulate.h"
 #include "furrow/sim/world.h"
+#include "furrow/stats/agreement.h"
 #include "sim/airdata.h"
 
 namespace furrow::project {
@@ -20,17 +21,25 @@ struct Flown {
   std::vector<sim::ShotTruth> truth;
   sync::Located located;
   std::vector<VisionHeight> vision;
+  double rise_m = 0.0;  ///< of the outline over the named top, in truth
   altitude::FieldKnowledge field;
   std::vector<audit::ShotRecord> records;
 };
 
 /// How far what is called the top lies from the outline, and from the leaves below the aircraft; one sigma.
 constexpr double kTop_m = 0.05;
+/// What the pictures' heights take the outline's rise for.
+constexpr double kTaken_m = 0.10;
+
+struct DrawnVision {
+  std::vector<VisionHeight> heights;
+  double rise_m = 0.0;
+};
 
 /// Heights as pictures give them: a spacing that is 1 % wrong and an outline that stands over the named top,
 /// for the whole flight; 2 % and 2 cm of each shot's own, most of which lasts over four shots; some shots
 /// without rows, some far off.
-std::vector<VisionHeight> draw_vision(const std::vector<sim::ShotTruth>& truth, base::Random& random) {
+DrawnVision draw_vision(const std::vector<sim::ShotTruth>& truth, base::Random& random) {
   constexpr double kSpacingShare = 0.01, kLasting = 0.8, kKept = 0.6;
   const double spacing = random.normal(), outline = random.normal();
   double plants = random.normal();
@@ -44,9 +53,11 @@ std::vector<VisionHeight> draw_vision(const std::vector<sim::ShotTruth>& truth, 
     if (random.uniform() < 0.08) continue;
     const double off = random.uniform() < 0.04 ? 0.4 * height : 0.0;
     vision[i] = {{height + error + off, std::hypot(own, by_spacing, kTop_m), 1},
-                 {{"row_spacing", by_spacing}, {"outline", kTop_m}}};
+                 {{"row_spacing", by_spacing}, {"outline", kTop_m}},
+                 0.0,
+                 {kTaken_m, kTop_m, 1}};
   }
-  return vision;
+  return {vision, kTaken_m - outline * kTop_m};
 }
 
 /// Leaves that a downward sensor hits above or below the named top.
@@ -74,7 +85,7 @@ void add_gnss(sync::Located& located, const std::vector<sim::ShotTruth>& truth, 
 Flown fly(sim::Scene scene, std::uint64_t seed, bool gnss = false) {
   scene.seed = seed;
   base::Random random(seed);
-  Flown flown{scene, sim::true_shots(scene), {}, {}, {}, {}};
+  Flown flown{scene, sim::true_shots(scene), {}, {}, 0.0, {}, {}};
   const auto track = telemetry::parse_track(sim::airdata_csv(scene), "airdata.csv");
   EXPECT_TRUE(track.ok());
   std::vector<telemetry::Shot> shots;
@@ -87,7 +98,9 @@ Flown fly(sim::Scene scene, std::uint64_t seed, bool gnss = false) {
   auto located = sync::locate_shots(shots, *track);
   if (!located.ok()) ADD_FAILURE() << seed << located.error().message();
   flown.located = std::move(*located);
-  flown.vision = draw_vision(flown.truth, random);
+  DrawnVision drawn = draw_vision(flown.truth, random);
+  flown.vision = std::move(drawn.heights);
+  flown.rise_m = drawn.rise_m;
   shift_leaves(flown.located, flown.truth, random);
   if (gnss) add_gnss(flown.located, flown.truth, random);
   const double height = scene.field.row_height_m;
@@ -176,6 +189,39 @@ TEST_P(FusionOfSimulatedLogs, SigmaHoldsWithAllSourcesAndWithoutVision) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, FusionOfSimulatedLogs, ::testing::Range(0, 6));
+
+// A downward sensor that sees leaves and soil tells how far the outline stands over the named top.
+TEST(FuseFlight, TellsTheRiseOfTheOutlineAndItsSigmaHolds) {
+  std::vector<Estimate> told;
+  std::vector<double> truths;
+  double sigma_m = 0.0;
+  constexpr int kFlights = 120;
+  for (std::uint64_t seed = 1; seed <= kFlights; ++seed) {
+    const Flown flown = fly(sim::demo_scene(), seed);
+    const auto fusion = fuse_flight(flown.located, flown.vision, flown.field);
+    ASSERT_TRUE(fusion.ok()) << fusion.error().message();
+    EXPECT_DOUBLE_EQ(fusion->rise_taken_m.value, kTaken_m);
+    told.push_back(fusion->rise_told_m);
+    truths.push_back(flown.rise_m);
+    sigma_m += fusion->rise_told_m.sigma / kFlights;
+  }
+  const stats::Coverage coverage = stats::coverage(told, truths);
+  std::printf("rise told to %.3f m, taken to %.3f m; in 1 sigma %.2f, in 2 sigma %.2f\n", sigma_m, kTop_m,
+              coverage.within_1_sigma, coverage.within_2_sigma);
+  EXPECT_LT(sigma_m, 0.9 * kTop_m);
+  EXPECT_NEAR(coverage.within_1_sigma, 0.68, 0.12);  // 3 sigma of 120 draws
+  EXPECT_GE(coverage.within_2_sigma, 0.89);
+}
+
+TEST(FuseFlight, SaysNothingOfTheRiseWithoutPicturesThatTookOne) {
+  const Flown flown = fly(sim::demo_scene(), 1);
+  std::vector<VisionHeight> without = flown.vision;
+  for (VisionHeight& height : without) height.outline_rise_m = {};
+  const auto fusion = fuse_flight(flown.located, without, flown.field);
+  ASSERT_TRUE(fusion.ok()) << fusion.error().message();
+  EXPECT_FALSE(fusion->rise_told_m.usable());
+  EXPECT_EQ(audit::rise_words(*fusion), "");
+}
 
 TEST(FuseFlight, SaysWhyThereIsNothingToFuse) {
   sync::Located located;

@@ -84,8 +84,16 @@ struct FusedHeight {
   Seen vps_seen = Seen::nothing;
 };
 
+/// What all sources together make of a cause that the pictures share (HeightSample::vision_shared): 0 +- 1
+/// where they leave it as it was claimed, above 0 where it makes the pictures' heights too large.
+struct SharedCause {
+  std::string cause;
+  Estimate error_sigmas;  ///< in the sigmas that were claimed of it
+};
+
 struct FusedFlight {
   std::vector<FusedHeight> heights;
+  std::vector<SharedCause> causes;  ///< in the order in which the samples name them
   Estimate baro_bias_m, gnss_bias_m, depth_bias_m;  ///< at the last sample: reading minus height above canopy
   std::array<int, kHeightSources> used = {};        ///< readings that took part
   std::array<int, kHeightSources> gated = {};

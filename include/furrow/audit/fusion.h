@@ -20,6 +20,9 @@ struct FlightFusion {
   std::vector<altitude::HeightSample> samples;
   altitude::FusedFlight fused;
   std::vector<FusionTrial> without;  ///< one for each source that spoke
+  /// How far the rows' outline stands above the top that the farm names (FieldKnowledge::outline_rise_m): as
+  /// the pictures' heights took it, and as all sources together have it. Unusable without such heights.
+  Estimate rise_taken_m, rise_told_m;
 };
 
 /// Sources with at least one reading in the flight.
@@ -35,6 +38,10 @@ base::CsvTable sources_table(const FlightFusion& fusion);
 /// All sources, then each switched off: mean sigma and RMS distance from the heights of all sources; where a
 /// trial gave no height, its reason stands in the last column.
 base::CsvTable trials_table(const FlightFusion& fusion);
+
+/// Tells a person the rise of the outline where all sources together have it clearly better than the pictures
+/// took it, and what to write in project.yaml; empty elsewhere.
+std::string rise_words(const FlightFusion& fusion);
 
 /// "fused, all sources", "fused without vision", ... against the records' truths; empty without truth.
 std::vector<TruthComparison> compare_fusion(const std::vector<ShotRecord>& records,

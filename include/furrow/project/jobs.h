@@ -79,6 +79,8 @@ struct RunOutcome {
   std::vector<audit::Finding> findings;
   /// Fused heights against the truth of a simulated flight, with all sources and with each one off.
   std::vector<audit::TruthComparison> fusion_truth;
+  Estimate rise_told_m;    ///< audit::FlightFusion's; unusable without a fusion that tells one
+  std::string rise_words;  ///< audit::rise_words; empty where it adds little to what was taken
   std::filesystem::path report;
   std::vector<std::string> warnings;  ///< what a person should know beside the findings, one sentence each
 };
