@@ -16,8 +16,9 @@ Result<RefinedFlight> refine_flight(const std::vector<ShotInput>& shots, const C
   FlightSystem flight;
   flight.members = members_of(shots, camera, field, farm, options, result);
   if (flight.members.empty()) {
-    return Error{"no_usable_shot", shots.front().shot_id, result.reason.front(),
-                 "a shot with two or more rows", ""};
+    result.failure = Error{"no_usable_shot", shots.front().shot_id, result.reason.front(),
+                           "a shot with two or more rows that the others bear out", ""};
+    return result;
   }
   flight.ties = ties_of(flight.members, shots, options);
   flight.shared_priors = shared_priors(farm, shots, options);
@@ -29,13 +30,22 @@ Result<RefinedFlight> refine_flight(const std::vector<ShotInput>& shots, const C
   const FlightNormal normal = normal_of(flight, options.shots_per_stretch);
   const auto inverse = invert(normal.matrix);
   if (!report.usable || !inverse) {
-    return Error{"solve_failed", "flight", "no convergence (" + report.termination + ")",
-                 "shots over one field", ""};
+    result.failure = Error{"solve_failed", "flight", "no convergence (" + report.termination + ")",
+                           "shots over one field", ""};
+    return result;
   }
   result.residual_rms = normal.residual_rms;
   describe(flight, *inverse, normal.noise_scale2, camera, field, result);
-  result.usable = true;
+  result.failure.reset();
   return result;
+}
+
+std::optional<Error> failure_of(const Result<RefinedFlight>& flight) {
+  return flight.ok() ? flight->failure : flight.error();
+}
+
+bool RefinedFlight::denies(std::size_t shot) const {
+  return status[shot] == "denied_by_neighbours" || status[shot] == "rows_do_not_fit";
 }
 
 }  // namespace furrow::altitude
