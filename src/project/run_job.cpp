@@ -375,6 +375,7 @@ Status write_tables(const fs::path& out, const RunTables& tables,
 /// Median height above the canopy, for the map of the height error; a usual one when no shot has a height.
 double flown_height_m(const std::vector<audit::ShotRecord>& records) {
   std::vector<double> heights_m;
+  heights_m.reserve(records.size());
   for (const audit::ShotRecord& record : records) heights_m.push_back(record.above_canopy_refined_m.value);
   const double middle_m = stats::median(heights_m);
   return middle_m > 0.0 ? middle_m : CalibrateJobOptions{}.flight_height_m;
@@ -391,7 +392,8 @@ Status write_figures(const fs::path& out, const std::vector<figures::Figure>& ma
   return Done{};
 }
 
-/// Each shot by the flight where that carries it, else alone.
+/// Each shot by the flight where that carries it, else alone. One that failed alone keeps its own reason: it
+/// names the gimbal, say, where the flight names the fit.
 std::vector<audit::ShotRecord> records_of(const RunTables& tables) {
   std::vector<audit::ShotRecord> records;
   for (std::size_t i = 0; i < tables.results.size(); ++i) {
@@ -399,7 +401,7 @@ std::vector<audit::ShotRecord> records_of(const RunTables& tables) {
     const bool carried = tables.flight.ok() && tables.flight->shots[i].usable;
     records.push_back(carried ? with_refined(alone, tables.flight->shots[i]) : alone);
     records.back().refined_in_flight = carried;
-    if (tables.flight.ok() && tables.flight->denies(i))
+    if (tables.flight.ok() && tables.flight->denies(i) && alone.status == "ok")
       records.back() = denied(alone, tables.flight->status[i], tables.flight->reason[i]);
   }
   return records;
