@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <Eigen/Core>
 #include <vector>
 
@@ -14,7 +15,7 @@ enum class Side { left, right, centre };
 struct EdgeLine {
   int row = 0;  ///< index of the row
   Side side = Side::centre;
-  Eigen::Vector2d points[2];
+  std::array<Eigen::Vector2d, 2> points;
   Eigen::Vector2d variance = Eigen::Vector2d::Zero();
   double covariance = 0.0;  ///< 0 for errors that are independent along the row
   int samples = 0;

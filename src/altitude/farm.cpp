@@ -43,15 +43,6 @@ Result<bool> given(const char* name, const Estimate& value) {
   return true;
 }
 
-/// Rows wider than their distance would overlap: then a whole width was taken for half of one.
-Status rows_apart(const FieldKnowledge& field) {
-  const Estimate &w = field.half_width_m, &s = field.row_spacing_m;
-  if (!(w.value - w.sigma > 0.5 * s.value)) return Done{};
-  return Error{"bad_field", "half_width_m",
-               base::format_double(w.value) + " for rows " + base::format_double(s.value) + " m apart",
-               "at most half of that", "It is half the width of one row's canopy."};
-}
-
 /// Logarithm of a length over the half width, or what stands in where it is not known.
 Estimate log_part(const Estimate& length_m, double half_width_m, const Estimate& unknown) {
   constexpr double kNone = 1e-6;  // of the half width: stands for 0
@@ -95,6 +86,14 @@ double raggedness(const CanopyShape& shape) {
 }
 
 }  // namespace
+
+Status rows_apart(const FieldKnowledge& field) {
+  const Estimate &w = field.half_width_m, &s = field.row_spacing_m;
+  if (!(w.value - w.sigma > 0.5 * s.value)) return Done{};
+  return Error{"bad_field", "half_width_m",
+               base::format_double(w.value) + " for rows " + base::format_double(s.value) + " m apart",
+               "at most half of that", "It is half the width of one row's canopy."};
+}
 
 Result<Farm> complete_farm(const FieldKnowledge& field) {
   FURROW_TRY(const bool spacing, given("row_spacing_m", field.row_spacing_m));

@@ -116,6 +116,7 @@ std::vector<SigmaShare> shared_shares(const ArrowInverse& inverse, const Eigen::
   const Eigen::VectorXd with_shared = inverse.border[i].row(kLogHeight).transpose();
   const Eigen::VectorXd parts = height * factor.triangularView<Eigen::Lower>().solve(with_shared);
   std::vector<SigmaShare> shares;
+  shares.reserve(kSharedSize);
   for (int j = 0; j < kSharedSize; ++j) shares.push_back({kSharedNames[j], parts[j]});
   return shares;
 }

@@ -19,14 +19,15 @@ constexpr int kRowsEachSide = 20;
 constexpr std::uint64_t kSeed = 1;
 
 Status check_pose(const PlannedPose& pose) {
-  const bool sound = pose.height_above_canopy_m > 0.0 && std::isfinite(pose.height_above_canopy_m) &&
+  constexpr double kHighest_m = 10'000.0;  // rows are far below a pixel long before
+  const bool sound = pose.height_above_canopy_m > 0.0 && pose.height_above_canopy_m <= kHighest_m &&
                      pose.pitch_rad < 0.0 && pose.pitch_rad >= -geom::kPi / 2.0 &&
                      std::isfinite(pose.heading_rad) && std::isfinite(pose.cross_track_m);
   if (sound) return Done{};
   return Error{"bad_pose", "plan",
                "height " + base::format_double(pose.height_above_canopy_m) + " m, pitch " +
                    base::format_double(geom::rad_to_deg(pose.pitch_rad)) + " deg",
-               "a height above 0 and a pitch below the horizon, at least -90 deg", ""};
+               "a height above 0, at most 10000 m, and a pitch below the horizon, at least -90 deg", ""};
 }
 
 /// One edge that the picture shows, with the running state of its noise.

@@ -8,23 +8,30 @@ namespace {
 
 constexpr int kMostRounds = 3;  // of leaving out shots that the rest deny
 
-/// Refines the members and describes them in `result`.
-Result<FlightNormal> refine(FlightSystem& flight, const std::vector<ShotInput>& shots, const Camera& camera,
-                            const FieldKnowledge& field, const FlightOptions& options,
-                            RefinedFlight& result) {
-  flight.ties = ties_of(flight.members, shots, options);
-  const SolveReport report = solve(flight, options);
-  result.iterations = report.iterations;
-  result.termination = report.termination;
-  FlightNormal normal = normal_of(flight, options.shots_per_stretch);
-  const auto inverse = invert(normal.matrix);
-  if (!report.usable || !inverse) {
-    return Error{"solve_failed", "flight", "no convergence (" + report.termination + ")",
-                 "shots over one field", ""};
+/// Refines the members, leaves out those that the rest deny, and describes what is left in `result`.
+Status refine(FlightSystem& flight, const std::vector<ShotInput>& shots, const Camera& camera,
+              const FieldKnowledge& field, const FlightOptions& options, RefinedFlight& result) {
+  for (int round = 1;; ++round) {
+    if (flight.members.empty()) {
+      return Error{"no_usable_shot", shots.front().shot_id, result.reason.front(),
+                   "a shot with two or more rows that the others bear out", ""};
+    }
+    flight.ties = ties_of(flight.members, shots, options);
+    const SolveReport report = solve(flight, options);
+    result.iterations = report.iterations;
+    result.termination = report.termination;
+    const FlightNormal normal = normal_of(flight, options.shots_per_stretch);
+    const auto inverse = invert(normal.matrix);
+    if (!report.usable || !inverse) {
+      return Error{"solve_failed", "flight", "no convergence (" + report.termination + ")",
+                   "shots over one field", ""};
+    }
+    result.residual_rms = normal.residual_rms;
+    describe(flight, *inverse, normal.noise_scale2, camera, field, result);
+    if (round == kMostRounds ||
+        !leave_out_denied_in_flight(shots, normal.member_rms, options, flight.members, result))
+      return Done{};
   }
-  result.residual_rms = normal.residual_rms;
-  describe(flight, *inverse, normal.noise_scale2, camera, field, result);
-  return normal;
 }
 
 }  // namespace
@@ -39,21 +46,25 @@ Result<RefinedFlight> refine_flight(const std::vector<ShotInput>& shots, const C
   result.reason.resize(shots.size());
   FlightSystem flight;
   flight.members = members_of(shots, camera, field, farm, options, result);
-  if (flight.members.empty()) {
-    return Error{"no_usable_shot", shots.front().shot_id, result.reason.front(),
-                 "a shot with two or more rows", ""};
-  }
   flight.shared_priors = shared_priors(farm, shots, options);
   for (const ParameterPrior& prior : flight.shared_priors)
     flight.shared[prior.parameter] = prior.wanted.value;
-  for (int round = 1;; ++round) {
-    FURROW_TRY(const FlightNormal normal, refine(flight, shots, camera, field, options, result));
-    if (round == kMostRounds ||
-        !leave_out_denied_in_flight(shots, normal.member_rms, options, flight.members, result))
-      break;
+  const Status refined = refine(flight, shots, camera, field, options, result);
+  if (refined.ok()) {
+    result.failure.reset();
+  } else {
+    result.failure = refined.error();
+    result.shots.assign(shots.size(), {});
   }
-  result.usable = true;
   return result;
+}
+
+std::optional<Error> failure_of(const Result<RefinedFlight>& flight) {
+  return flight.ok() ? flight->failure : flight.error();
+}
+
+bool RefinedFlight::denies(std::size_t shot) const {
+  return status[shot] == "denied_by_neighbours" || status[shot] == "rows_do_not_fit";
 }
 
 }  // namespace furrow::altitude

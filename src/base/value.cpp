@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "furrow/base/bytes.h"
 #include "furrow/base/file.h"
 #include "furrow/base/text.h"
 
@@ -81,6 +82,17 @@ int anchor_line(std::string_view text) {
     }
     if (quote == '\n' && c == '\n') quote = 0;
     before = c;
+  }
+  return 0;
+}
+
+/// Line of the first byte that no text holds, 0 for none: a picture or a video is not worth a word on its
+/// YAML.
+int binary_line(std::string_view text) {
+  int line = 1;
+  for (const char c : text) {
+    if (is_control(c)) return line;
+    if (c == '\n') ++line;
   }
   return 0;
 }
@@ -195,6 +207,8 @@ std::string Value::kind_name() const {
 }
 
 Result<Value> parse_yaml(std::string_view text, const std::string& name) {
+  if (const int line = binary_line(text); line > 0)
+    return malformed_yaml(name, line, "not YAML: bytes that are no text");
   if (const int line = anchor_line(text); line > 0) {
     return malformed_yaml(name, line,
                           "anchors and aliases (& and *) are not read; quote the text if it starts with one");

@@ -43,15 +43,38 @@ bool is_possible(const SplineGrid& grid) {
          std::max(grid.columns, grid.rows) <= kMostKnots && grid.fov_x_deg >= 1 && grid.fov_x_deg < 360;
 }
 
+/// Pictures have at most 200 megapixels; work that goes along a side must end.
+constexpr int kLargestSide = 100'000;
+/// No lens is shorter than a hundredth of the picture's larger side (a circle of all directions takes a
+/// sixth) or longer than a thousand of them (a telescope): outside, the numbers are of another unit or size.
+constexpr double kShortestFocal = 0.01, kLongestFocal = 1000.0;
+/// Cinema lenses squeeze by 2; more is a slip in one of the two focal lengths.
+constexpr double kMostSqueezed = 4.0;
+
+bool is_possible_focal(double focal_px, const Camera& camera) {
+  const double side = std::max(camera.width, camera.height);
+  return focal_px >= kShortestFocal * side && focal_px <= kLongestFocal * side;
+}
+
+/// Finite, no variance below 0, no correlation beyond 1 (by more than printed digits cost).
+bool is_covariance(const Eigen::MatrixXd& c) {
+  constexpr double kSlack = 1e-6;
+  if (!c.allFinite() || (c.diagonal().array() < 0.0).any()) return false;
+  const Eigen::VectorXd sigma = c.diagonal().cwiseSqrt();
+  return (c.array().abs() <= (1.0 + kSlack) * (sigma * sigma.transpose()).array()).all();
+}
+
 std::optional<std::string> invalid_field(const Camera& camera) {
-  if (camera.width <= 0 || camera.height <= 0) return "image size";
+  if (std::min(camera.width, camera.height) <= 0 || std::max(camera.width, camera.height) > kLargestSide)
+    return "image size";
   const std::array<std::pair<const char*, double>, 4> core{
       {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}}};
   for (const auto& [name, value] : core) {
     if (!std::isfinite(value)) return name;
   }
-  if (!(camera.fx > 0.0)) return "fx";
-  if (!(camera.fy > 0.0)) return "fy";
+  if (!is_possible_focal(camera.fx, camera)) return "fx";
+  if (!is_possible_focal(camera.fy, camera)) return "fy";
+  if (std::max(camera.fx, camera.fy) > kMostSqueezed * std::min(camera.fx, camera.fy)) return "fx / fy";
   if (camera.model == CameraModel::splined_stereographic && !is_possible(camera.spline))
     return "grid of knots";
   if (static_cast<int>(camera.distortion.size()) != distortion_count(camera.model, camera.spline))
@@ -62,7 +85,7 @@ std::optional<std::string> invalid_field(const Camera& camera) {
   const Eigen::Index n = 4 + distortion_count(camera.model, camera.spline);
   const bool absent = camera.covariance.size() == 0;
   if (!absent && (camera.covariance.rows() != n || camera.covariance.cols() != n)) return "covariance (size)";
-  if (!absent && !camera.covariance.allFinite()) return "covariance";
+  if (!absent && !is_covariance(camera.covariance)) return "covariance";
   return std::nullopt;
 }
 
@@ -141,9 +164,12 @@ Status validate(const Camera& camera) {
   const std::optional<std::string> field = invalid_field(camera);
   if (!field) return Done{};
   return Error{"camera_invalid", *field, "a camera with an impossible " + *field,
-               "a positive image size, finite values, focal lengths above 0 and " +
+               "an image size of 1 to 100000 pixels a side, finite values, focal lengths of 0.01 to 1000 "
+               "times the larger side and "
+               "within a factor of 4 of each other, and " +
                    std::to_string(distortion_count(camera.model, camera.spline)) +
-                   " distortion coefficients for " + model_name(camera.model),
+                   " distortion coefficients for " + model_name(camera.model) +
+                   "; in a covariance no variance below 0 and no correlation beyond 1",
                ""};
 }
 

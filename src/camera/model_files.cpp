@@ -29,29 +29,32 @@ const Value* first_of(const Value& tree, const std::vector<std::string>& names) 
   return nullptr;
 }
 
-/// Numbers of a list, nested lists laid out one after the other.
-bool append_numbers(const Value& value, std::vector<double>& out) {
-  if (const auto number = value.number()) {
+/// Appends the numbers of a list, nested lists laid out one after the other, up to the first item that is no
+/// finite number; that item, or null.
+const Value* append_numbers(const Value& value, std::vector<double>& out) {
+  if (value.array() == nullptr) {
+    const auto number = value.number();
+    if (!number || !std::isfinite(*number)) return &value;
     out.push_back(*number);
-    return true;
+    return nullptr;
   }
-  if (value.array() == nullptr) return false;
   for (const Value& item : *value.array()) {
-    if (!append_numbers(item, out)) return false;
+    if (const Value* wrong = append_numbers(item, out)) return wrong;
   }
-  return true;
+  return nullptr;
 }
 
 /// A list of numbers: plain, nested, or OpenCV's and ROS's {rows, cols, data}.
 Result<std::vector<double>> numbers(const Value& value, const std::string& key, const std::string& name) {
   const Value* data = value.object() != nullptr ? value.find("data") : &value;
-  std::vector<double> out;
-  if (data == nullptr || data->array() == nullptr || !append_numbers(*data, out)) {
+  if (data == nullptr || data->array() == nullptr)
     return invalid(name, value.line, "`" + key + "` is " + value.kind_name(), "a list of numbers");
-  }
-  for (const double x : out) {
-    if (!std::isfinite(x))
-      return invalid(name, value.line, "`" + key + "` holds a value that is not finite", "numbers");
+  std::vector<double> out;
+  if (const Value* wrong = append_numbers(*data, out)) {
+    const std::string found = wrong->string() != nullptr ? "'" + *wrong->string() + "'"
+                              : wrong->number()          ? base::format_double(*wrong->number())
+                                                         : wrong->kind_name();
+    return invalid(name, wrong->line, "`" + key + "` holds " + found, "finite numbers");
   }
   return out;
 }

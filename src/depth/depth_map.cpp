@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "furrow/base/file.h"
+#include "furrow/base/text.h"
 
 namespace furrow::depth {
 namespace {
@@ -62,10 +63,12 @@ std::optional<NpyHeader> parse_header(const std::string& header) {
   npy.bytes = static_cast<std::size_t>(type[2] - '0');
   const bool little = std::endian::native == std::endian::little;
   npy.swapped = npy.bytes > 1 && (type[0] == '>') == little;
-  std::stringstream sizes(after(header, "'shape': (", ")"));
-  for (std::string size; std::getline(sizes, size, ',');) {
-    if (size.find_first_of("0123456789") == std::string::npos) continue;
-    npy.shape.push_back(std::stoll(size));
+  const std::string sizes = after(header, "'shape': (", ")");
+  for (const std::string_view size : base::split(sizes, ',')) {
+    if (base::trim(size).empty()) continue;  // "(480,)" ends with a comma
+    const auto length = base::parse_int(size);
+    if (!length) return std::nullopt;
+    npy.shape.push_back(*length);
   }
   while (npy.shape.size() > 2 && npy.shape.front() == 1) npy.shape.erase(npy.shape.begin());
   const bool known = (npy.kind == 'f' && (npy.bytes == 4 || npy.bytes == 8)) ||
@@ -134,12 +137,17 @@ Result<DepthMap> decode_pfm(const std::string& bytes, const std::string& name) {
 }
 
 Result<DepthMap> decode_png(const std::string& bytes, const std::string& name, double unit_per_count) {
+  static const std::string kWanted = "a grey PNG of 16 or 8 bits";
   const std::vector<unsigned char> raw(bytes.begin(), bytes.end());
   cv::Mat picture;
-  if (!raw.empty()) picture = cv::imdecode(raw, cv::IMREAD_UNCHANGED);
+  try {
+    if (!raw.empty()) picture = cv::imdecode(raw, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception& problem) {  // a header that lies about the size, say
+    return unreadable(name, "the picture cannot be decoded: " + problem.err, kWanted);
+  }
   if (picture.empty() || picture.channels() != 1 || (picture.depth() != CV_16U && picture.depth() != CV_8U)) {
     return unreadable(name, picture.empty() ? "no picture" : std::to_string(picture.channels()) + " channels",
-                      "a grey PNG of 16 or 8 bits");
+                      kWanted);
   }
   picture.convertTo(picture, CV_32F, unit_per_count);
   DepthMap map{picture.cols, picture.rows, {}};

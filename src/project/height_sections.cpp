@@ -76,8 +76,8 @@ std::string largest_cause(const std::vector<audit::CauseShare>& causes) {
 report::Section flight_section(const Result<altitude::RefinedFlight>& flight) {
   report::Section section;
   section.title = "The flight as a whole";
-  if (!flight.ok()) {
-    section.paragraphs = {"Not refined as a whole: " + flight.error().message()};
+  if (const auto failure = altitude::failure_of(flight)) {
+    section.paragraphs = {"Not refined as a whole: " + failure->message()};
     return section;
   }
   section.paragraphs = {

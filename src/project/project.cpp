@@ -18,6 +18,12 @@ using base::Value;
 
 constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
 
+/// A list of pictures that names none is a slip, not a flight without pictures.
+void read_patterns(Fields& fields, const std::string& key, std::vector<std::string>& patterns) {
+  fields.required(key, patterns);
+  fields.require(!patterns.empty(), key, "an empty list", "a pattern, or a list of them");
+}
+
 /// Environment variables in a path, with FURROW_DATA's default.
 Result<std::string> expand(std::string text, const fs::path& folder) {
   static const std::string kData = "${FURROW_DATA}";
@@ -50,7 +56,7 @@ Status read_calibrate(const Value& value, const std::string& file, const fs::pat
   std::string target;
   std::string model;
   std::string squares = "square";
-  fields.required("images", images);
+  read_patterns(fields, "images", images);
   fields.required("target", target);
   fields.optional("model", model);
   fields.optional("squares", squares);
@@ -106,6 +112,10 @@ Status read_telemetry(const Value& value, const std::string& file, const fs::pat
   return Done{};
 }
 
+/// No crop stands in rows farther apart, or higher: a larger number is one of another unit. Nor do plants of
+/// two rows fit into less than a millimetre.
+constexpr double kLongest_m = 100.0, kShortest_m = 0.001;
+
 /// `key` and `stem_sigma_m` as an Estimate; the sigma defaults to a share of the value.
 Estimate read_length(Fields& fields, const std::string& stem, double default_share) {
   double value = kNotGiven;
@@ -116,7 +126,8 @@ Estimate read_length(Fields& fields, const std::string& stem, double default_sha
     fields.require(std::isnan(sigma), stem + "_sigma_m", "given without " + stem + "_m", "both or none");
     return {};
   }
-  fields.require(value > 0.0, stem + "_m", base::format_double(value), "a length above 0");
+  fields.require(value >= kShortest_m && value <= kLongest_m, stem + "_m", base::format_double(value),
+                 "metres, from 0.001 to 100");
   fields.require(std::isnan(sigma) || sigma >= 0.0, stem + "_sigma_m", base::format_double(sigma),
                  "a length of 0 or more");
   return {value, std::isnan(sigma) ? default_share * value : sigma, 1};
@@ -142,6 +153,8 @@ Status read_rows(const Value& value, const std::string& file, const fs::path& fo
   project.field.row_height_m = read_length(fields, "height", kDefaultRowHeightSigmaShare);
   project.field.foliage_depth_m = read_length(fields, "foliage_depth", kDefaultFoliageDepthSigmaShare);
   project.field.outline_rise_m = read_outline_rise(fields);
+  if (const Status apart = altitude::rows_apart(project.field); !apart.ok())
+    fields.fail("half_width_m", apart.error().found, apart.error().wanted);
   const auto slope = [&](const char* name, double& sigma_deg) {
     fields.optional(name, sigma_deg);
     fields.require(sigma_deg > 0.0, name, base::format_double(sigma_deg), "an angle above 0");
@@ -166,7 +179,7 @@ Status read_depth(const Value& value, const std::string& file, const fs::path& f
   std::vector<std::string> maps;
   std::string values = "disparity";
   double unit_per_count = kNotGiven;
-  fields.required("maps", maps);
+  read_patterns(fields, "maps", maps);
   fields.optional("values", values);
   fields.optional("unit_per_count", unit_per_count);
   fields.optional("scale_sigma", depth.scale_sigma);
@@ -209,7 +222,7 @@ Result<Project> read_project(const fs::path& file) {
   FURROW_DO(read_camera_section(*camera, name, folder, project));
   std::vector<std::string> patterns;
   Fields shot_fields(*shots, name, "shots");
-  shot_fields.required("images", patterns);
+  read_patterns(shot_fields, "images", patterns);
   FURROW_DO(shot_fields.finish());
   FURROW_TRY(project.images, resolve_images(patterns, folder));
   if (telemetry != nullptr) FURROW_DO(read_telemetry(*telemetry, name, folder, project));

@@ -289,10 +289,11 @@ Result<RunTables> measure_flight(const Project& project, const JobOptions& job) 
   return tables;
 }
 
-/// The record without the height that its neighbours deny; what the shot alone says stays beside it.
-audit::ShotRecord denied(audit::ShotRecord record, const std::string& reason) {
+/// The record without the height that the flight's other shots deny; what the shot alone says stays beside
+/// it.
+audit::ShotRecord denied(audit::ShotRecord record, const std::string& status, const std::string& reason) {
   record.above_canopy_refined_m = record.above_ground_refined_m = {};
-  record.status = "denied_by_neighbours";
+  record.status = status;
   record.reason = reason;
   return record;
 }
@@ -373,6 +374,7 @@ Status write_tables(const fs::path& out, const RunTables& tables,
 /// Median height above the canopy, for the map of the height error; a usual one when no shot has a height.
 double flown_height_m(const std::vector<audit::ShotRecord>& records) {
   std::vector<double> heights_m;
+  heights_m.reserve(records.size());
   for (const audit::ShotRecord& record : records) heights_m.push_back(record.above_canopy_refined_m.value);
   const double middle_m = stats::median(heights_m);
   return middle_m > 0.0 ? middle_m : CalibrateJobOptions{}.flight_height_m;
@@ -389,7 +391,8 @@ Status write_figures(const fs::path& out, const std::vector<figures::Figure>& ma
   return Done{};
 }
 
-/// Each shot by the flight where that carries it, else alone.
+/// Each shot by the flight where that carries it, else alone. One that failed alone keeps its own reason: it
+/// names the gimbal, say, where the flight names the fit.
 std::vector<audit::ShotRecord> records_of(const RunTables& tables) {
   std::vector<audit::ShotRecord> records;
   for (std::size_t i = 0; i < tables.results.size(); ++i) {
@@ -397,9 +400,8 @@ std::vector<audit::ShotRecord> records_of(const RunTables& tables) {
     const bool carried = tables.flight.ok() && tables.flight->shots[i].usable;
     records.push_back(carried ? with_refined(alone, tables.flight->shots[i]) : alone);
     records.back().refined_in_flight = carried;
-    if (tables.flight.ok() && tables.flight->status[i] == "denied_by_neighbours") {
-      records.back() = denied(alone, tables.flight->reason[i]);
-    }
+    if (tables.flight.ok() && tables.flight->denies(i) && alone.status == "ok")
+      records.back() = denied(alone, tables.flight->status[i], tables.flight->reason[i]);
   }
   return records;
 }
@@ -410,10 +412,8 @@ std::vector<std::string> warnings_of(const RunTables& tables) {
     if (!result.depth_reason.empty())
       warnings.push_back(result.record.shot_id + ": no height from its depth map: " + result.depth_reason);
   }
-  if (!tables.flight.ok()) {
-    warnings.push_back("Each shot was refined alone, the flight not as a whole: " +
-                       tables.flight.error().message());
-  }
+  if (const auto failure = altitude::failure_of(tables.flight))
+    warnings.push_back("Each shot was refined alone, the flight not as a whole: " + failure->message());
   return warnings;
 }
 
@@ -464,8 +464,8 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
   FURROW_TRY(content.overlays, overlays(tables.shots, tables.results, tables.flight));
   if (tables.camera.calibration) {
     const calib::Calibration& calibration = tables.camera.calibration->calibration;
-    FURROW_TRY(auto made, calibration_figures(*tables.camera.calibration, flown_height_m(outcome.records),
-                                              job.threads));
+    FURROW_TRY(auto made,
+               calibration_figures(*tables.camera.calibration, flown_height_m(outcome.records), job.threads));
     const auto findings = audit::assess_calibration(calibration, tables.camera.calibration->verdict);
     content.calibration.push_back(
         calibration_section(calibration, tables.camera.calibration->verdict, findings, std::move(made)));

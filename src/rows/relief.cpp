@@ -29,10 +29,11 @@ using Features = std::array<float, kFeatures>;
 void features_of(const GreenMap& map, int row, std::vector<Features>& features) {
   const std::uint16_t* light = map.light.data() + static_cast<std::ptrdiff_t>(row) * map.width;
   const std::uint16_t* chroma = map.chroma.data() + static_cast<std::ptrdiff_t>(row) * map.width;
-  for (int u = 0; u < map.width; ++u)
+  for (int u = 0; u < map.width; ++u) {
+    const int high = chroma[u] / kChromaLevels, low = chroma[u] % kChromaLevels;  // two numbers in one
     features[static_cast<std::size_t>(u)] = {std::log(static_cast<float>(light[u]) + kDarkLevel),
-                                             static_cast<float>(chroma[u] / kChromaLevels),
-                                             static_cast<float>(chroma[u] % kChromaLevels)};
+                                             static_cast<float>(high), static_cast<float>(low)};
+  }
 }
 
 Profile profile_of(const GreenMap& map, const PlanarField& field) {
@@ -170,8 +171,8 @@ struct Search {
 
 /// Over all spacings, phases, widths and heights.
 Search search(const Profile& profile, double camera) {
-  constexpr double kFrom = 0.45, kTo = 2.5, kRatio = 1.07;
-  constexpr int kPhases = 14;
+  constexpr double kFrom = 0.45, kRatio = 1.07;
+  constexpr int kSpacings = 26, kPhases = 14;             // up to 2.44
   constexpr std::array kHalfWidths = {0.13, 0.18, 0.26};  // of the spacing
   constexpr std::array kFeet = {0.45, 0.65, 0.85};
   // Tops lie farther apart than rows that were found on what is seen of the ground between, too.
@@ -180,7 +181,8 @@ Search search(const Profile& profile, double camera) {
   Search found;
   Relief relief;
   relief.camera = camera;
-  for (double spacing = kFrom; spacing < kTo; spacing *= kRatio) {
+  double spacing = kFrom;
+  for (int step = 0; step < kSpacings; ++step, spacing *= kRatio) {
     relief.spacing = spacing;
     const bool is_seen = profile.extent() > kLeastPeriods * spacing;
     for (int phase = 0; phase < kPhases; ++phase) {

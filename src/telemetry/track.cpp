@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "furrow/base/bytes.h"
 #include "furrow/base/file.h"
 #include "furrow/base/text.h"
 #include "furrow/telemetry/formats.h"
@@ -77,10 +78,7 @@ std::optional<std::string> recognised(std::string_view head) {
 }
 
 std::string describe(std::string_view head) {
-  const auto odd = std::count_if(head.begin(), head.end(), [](char c) {
-    return (c >= 0 && c < ' ' && c != '\n' && c != '\r' && c != '\t') || c == 127;
-  });
-  if (odd > 0) return "bytes that are no text";
+  if (std::any_of(head.begin(), head.end(), base::is_control)) return "bytes that are no text";
   const std::string_view line = base::trim(head.substr(0, head.find('\n')));
   constexpr std::size_t kShown = 80;
   return "a first line '" + std::string(line.substr(0, kShown)) + (line.size() > kShown ? "...'" : "'");

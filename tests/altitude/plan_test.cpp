@@ -111,6 +111,7 @@ TEST(Plan, ASteeperOrHigherViewThanThreeMetresAtTheHorizonIsBetter) {
 TEST(Plan, RefusesPosesThatCannotBeFlown) {
   const Camera camera = testing::thesis_camera();
   EXPECT_EQ(plan_shot(camera, {0.0, -0.3, 0, 0}, vineyard()).error().code, "bad_pose");
+  EXPECT_EQ(plan_shot(camera, {1e300, -0.3, 0, 0}, vineyard()).error().code, "bad_pose");
   EXPECT_EQ(plan_shot(camera, {2.0, 0.3, 0, 0}, vineyard()).error().code, "bad_pose");
   EXPECT_EQ(plan_shot(camera, {std::nan(""), -0.3, 0, 0}, vineyard()).error().code, "bad_pose");
 }

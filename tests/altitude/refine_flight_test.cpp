@@ -221,8 +221,11 @@ TEST(RefineFlight, ABadShotIsNamedAndSkipped) {
   EXPECT_FALSE(result->shots[2].usable);
   EXPECT_TRUE(result->shots[4].usable);
   EXPECT_EQ(refine_flight({}, testing::thesis_camera(), flight.field).error().code, "no_shots");
-  EXPECT_EQ(refine_flight({flight.shots[2]}, testing::thesis_camera(), flight.field).error().code,
-            "no_usable_shot");
+  const auto none = refine_flight({flight.shots[2]}, testing::thesis_camera(), flight.field);
+  ASSERT_TRUE(none.ok()) << none.error().message();
+  ASSERT_TRUE(none->failure);
+  EXPECT_EQ(none->failure->code, "no_usable_shot");
+  EXPECT_EQ(none->status, std::vector<std::string>{"not_enough_rows"});
 }
 
 // Random pixels, edges, indices and sigmas, with NaN, infinities and huge numbers among them: an answer is
@@ -273,6 +276,30 @@ TEST(RefineFlight, AShotThatFitsAloneButNotTheFlightIsLeftOutAndNamed) {
     EXPECT_TRUE(refined->reason[i].empty()) << i;
   }
   EXPECT_NEAR(refined->half_width_m.value, 0.6, 4.0 * refined->half_width_m.sigma);
+}
+
+// Every second shot counts a line between two rows: each is denied by those beside it, and nobody is left.
+TEST(RefineFlight, AFlightWhoseShotsAllDenyOneAnotherNamesEach) {
+  base::Random random(31);
+  const Camera camera = testing::thesis_camera();
+  TestFlight flight = fly(12, {}, kNoise, random);
+  for (std::size_t i = 1; i < flight.shots.size(); i += 2) {
+    World wrong = flight.worlds[i];
+    wrong.height_above_canopy_m *= 2.0;
+    flight.shots[i].lines = testing::picture_of(wrong, camera, kNoise, 7 + i);
+  }
+  const auto refined = refine_flight(flight.shots, camera, flight.field, level_ground());
+  ASSERT_TRUE(refined.ok()) << refined.error().message();
+  EXPECT_FALSE(refined->usable());
+  ASSERT_TRUE(refined->failure);
+  EXPECT_EQ(refined->failure->code, "no_usable_shot");
+  EXPECT_NE(refined->failure->message().find("shot0"), std::string::npos);
+  for (std::size_t i = 0; i < flight.shots.size(); ++i) {
+    EXPECT_EQ(refined->status[i], "denied_by_neighbours") << i;
+    EXPECT_TRUE(refined->denies(i));
+    EXPECT_FALSE(refined->shots[i].usable);
+    EXPECT_NE(refined->reason[i].find(flight.shots[i].shot_id), std::string::npos) << refined->reason[i];
+  }
 }
 
 TEST(RefineFlight, ATerraceDeniesNobody) {

@@ -23,6 +23,8 @@ TEST(Yaml, KeepsKindsAndLines) {
 }
 
 TEST(Yaml, RefusesWithTheLine) {
+  EXPECT_EQ(parse_yaml(std::string_view("a: 1\nb: \0 *c\n", 13), "p.yaml").error().message(),
+            "p.yaml:2: not YAML: bytes that are no text.");
   EXPECT_NE(parse_yaml("a: 1\nb: [1, 2\n", "p.yaml").error().message().find("p.yaml:"), std::string::npos);
   EXPECT_EQ(parse_yaml("a: 1\na: 2\n", "p.yaml").error().where, "p.yaml:2");
   EXPECT_EQ(parse_yaml("a: &x 1\nb: *x\n", "p.yaml").error().where, "p.yaml:1");

@@ -83,8 +83,8 @@ void run(const char* name, const std::vector<altitude::ShotInput>& shots, const 
   const auto flight = altitude::refine_flight(shots, camera, field, options);
   const std::clock_t end = std::clock();
   alone.print((std::string(name) + ", shot").c_str());
-  if (!flight.ok()) {
-    std::printf("  flight: %s\n", flight.error().message().c_str());
+  if (const auto failure = altitude::failure_of(flight)) {
+    std::printf("  flight: %s\n", failure->message().c_str());
     return;
   }
   for (std::size_t i = 0; i < shots.size(); ++i)
@@ -110,9 +110,10 @@ void time_flight(const std::vector<altitude::ShotInput>& shots, const Camera& ca
   options.threads = 1;
   const std::clock_t start = std::clock();
   const auto flight = altitude::refine_flight(many, camera, farm(3.0, 0.6, 1.7), options);
+  const auto failure = altitude::failure_of(flight);
   std::printf("flight of %zu shots: %.1f s, %s\n", count,
               static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC,
-              flight.ok() ? flight->termination.c_str() : flight.error().message().c_str());
+              failure ? failure->message().c_str() : flight->termination.c_str());
 }
 
 /// What the farm writes down: spacing to 1 %, half width to 10 %, each off by a draw of its sigma.
@@ -209,7 +210,7 @@ void generated(const Condition& c, int flights) {
     const std::clock_t start = std::clock();
     const auto flight = altitude::refine_flight(last.shots, camera, field, options);
     table.time += std::clock() - start;
-    if (!flight.ok()) {
+    if (altitude::failure_of(flight)) {
       table.shots += kShotsPerFlight;
       continue;
     }

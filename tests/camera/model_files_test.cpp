@@ -310,6 +310,39 @@ TEST(ModelFiles, KalibrWithAnotherLensIsRefused) {
   EXPECT_EQ(camera.error().code, "camera_model_unsupported");
 }
 
+// A focal length of another unit or size, and a digit too many in one of the two.
+TEST(ModelFiles, AFocalLengthThatNoLensHasIsRefused) {
+  const auto camera = [](const std::string& fx, const std::string& fy) {
+    return parse_camera(
+        "image_width: 1280\nimage_height: 720\ncamera_matrix:\n  rows: 3\n  cols: 3\n  data: [" + fx +
+            ", 0, 640, 0, " + fy + ", 360, 0, 0, 1]\n",
+        "camera.yaml");
+  };
+  ASSERT_TRUE(camera("874", "872").ok()) << camera("874", "872").error().message();
+  for (const char* focal : {"8.8", "1e7", "0", "-874"}) {
+    ASSERT_FALSE(camera(focal, focal).ok()) << focal;
+    EXPECT_NE(camera(focal, focal).error().message().find("impossible fx"), std::string::npos);
+  }
+  ASSERT_FALSE(camera("8740", "872").ok());
+  EXPECT_NE(camera("8740", "872").error().message().find("impossible fx / fy"), std::string::npos);
+  ASSERT_FALSE(camera("874", ".nan").ok());
+  EXPECT_EQ(camera("874", ".nan").error().message(),
+            "camera.yaml:6: `camera_matrix` holds '.nan'; wanted finite numbers.");
+}
+
+TEST(ModelFiles, AVarianceBelowZeroIsRefused) {
+  Camera camera = test_camera(CameraModel::opencv5);
+  camera.covariance = Eigen::MatrixXd::Identity(9, 9);
+  EXPECT_TRUE(parse_camera(to_opencv_yaml(camera), "camera.yaml").ok());
+  camera.covariance(2, 2) = -1.0;
+  const auto negative = parse_camera(to_opencv_yaml(camera), "camera.yaml");
+  ASSERT_FALSE(negative.ok());
+  EXPECT_NE(negative.error().message().find("impossible covariance"), std::string::npos);
+  camera.covariance = Eigen::MatrixXd::Identity(9, 9);
+  camera.covariance(0, 1) = camera.covariance(1, 0) = 1.5;
+  EXPECT_FALSE(parse_camera(to_opencv_yaml(camera), "camera.yaml").ok());
+}
+
 /// A damaged file is a camera that can be used or an error that says where.
 void expect_sound(const Result<Camera>& camera) {
   if (!camera.ok()) {

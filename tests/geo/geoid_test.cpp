@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "damaged.h"
 #include "furrow/base/random.h"
 
 namespace furrow::geo {
@@ -94,6 +95,19 @@ TEST(Geoid, MalformedGridsAreErrors) {
   EXPECT_EQ(parse_gtx(small_gtx([](double, double) { return std::nan(""); }), "x").error().code,
             "geoid_malformed");
   EXPECT_EQ(parse_gtx(small_gtx([](double, double) { return 1e6; }), "x").error().code, "geoid_malformed");
+}
+
+TEST(Geoid, DamagedGridsAreGridsOrErrors) {
+  const std::string good = small_gtx(smooth_m);
+  base::Random random(27112026);
+  for (int i = 0; i < 1000; ++i) {
+    const auto grid = parse_gtx(testing::damaged(good, random), "x");
+    if (grid.ok()) {
+      EXPECT_TRUE(std::isfinite(geoid_height_m(*grid, 48.0, 11.0)));
+    } else {
+      EXPECT_EQ(grid.error().code, "geoid_malformed");
+    }
+  }
 }
 
 }  // namespace

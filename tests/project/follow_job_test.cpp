@@ -7,9 +7,11 @@
 #include <filesystem>
 #include <thread>
 
+#include "damaged.h"
 #include "furrow/base/file.h"
 #include "furrow/geom/angles.h"
 #include "furrow/geom/attitude.h"
+#include "project/by_hand.h"
 #include "project/overlay_video.h"
 
 namespace furrow::project {
@@ -309,6 +311,25 @@ TEST(FollowJob, BadReadingsByHandAreNamed) {
     ASSERT_FALSE(outcome.ok()) << text;
     EXPECT_EQ(outcome.error().code, code) << text;
   }
+}
+
+// Damaged readings are readings or an error that says where.
+TEST(FollowJob, DamagedReadingsByHandNeverEndTheProgram) {
+  const fs::path file = fs::path(::testing::TempDir()) / "furrow_by_hand_damaged.csv";
+  base::Random random(27112026);
+  for (int i = 0; i < 1000; ++i) {
+    const std::string text =
+        testing::damaged("picture,deviation_cm,flight\na.jpg,-12.5,low\n2,7,low\n3,1e1,high\n", random);
+    ASSERT_TRUE(base::write_file(file, text).ok());
+    const auto readings = ByHand::read(file);
+    if (!readings.ok()) {
+      EXPECT_FALSE(readings.error().where.empty());
+      continue;
+    }
+    EXPECT_FALSE(readings->flights().empty());
+    EXPECT_GT(readings->missing(), 0U);
+  }
+  fs::remove(file);
 }
 
 Camera plain_camera() {

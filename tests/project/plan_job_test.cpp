@@ -32,6 +32,10 @@ TEST(PlanCamera, TakesPixelsOrMillimetres) {
   EXPECT_EQ(thesis_request().camera.cx, 639.5);
   EXPECT_EQ(plan_camera({.focal_px = 800.0, .width_px = 640, .height_px = 480})->fx, 800.0);
   EXPECT_EQ(plan_camera({.focal_px = 800.0}).error().code, "bad_lens");
+  // A plan of so many pixels never ended.
+  constexpr int kMost = std::numeric_limits<int>::max();
+  EXPECT_EQ(plan_camera({.focal_px = 1e9, .width_px = kMost, .height_px = kMost}).error().code,
+            "camera_invalid");
   EXPECT_EQ(plan_camera({.focal_mm = 8.8, .width_px = 640, .height_px = 480}).error().code, "bad_lens");
 }
 

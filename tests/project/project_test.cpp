@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "damaged.h"
 #include "furrow/base/file.h"
 #include "furrow/base/text.h"
 #include "furrow/base/value.h"
@@ -104,11 +105,15 @@ TEST_F(ProjectTest, ReadsHalfWidthsMeasuredByHand) {
   EXPECT_EQ(read_widths("shot,px\na,1\n").error().code, "missing_column");
   EXPECT_EQ(read_widths("shot_id,half_width_px\na2,40\na10,wide\n").error().message(),
             "widths.csv:3: half_width_px is 'wide'; wanted pixels above 0, or an empty cell.");
-  // Any cut of the file is an answer or an error.
   const std::string whole = "shot_id,half_width_px\na2,40\n\"a,10\",12.5\n";
-  for (std::size_t n = 0; n < whole.size(); ++n) {
-    const auto cut = read_widths(whole.substr(0, n));
-    EXPECT_TRUE(cut.ok() ? cut->size() <= 2U : !cut.error().code.empty()) << n;
+  base::Random random(27112026);
+  for (int i = 0; i < 1000; ++i) {
+    const auto damaged = read_widths(testing::damaged(whole, random));
+    if (!damaged.ok()) {
+      EXPECT_FALSE(damaged.error().code.empty());
+      continue;
+    }
+    for (const auto& [shot, width] : *damaged) EXPECT_GT(width, 0.0);
   }
 }
 
@@ -146,8 +151,50 @@ TEST_F(ProjectTest, NamesWhatIsMissingOrWrong) {
   EXPECT_EQ(read("name: [\n").error().code, "malformed_yaml");
   const auto negative = read(
       "name: x\ncamera: { model: camera.yaml }\nshots: { images: frames/*.jpg }\nrows: { spacing_m: -3 }\n");
-  EXPECT_EQ(negative.error().message(), "project.yaml:4: rows.spacing_m is -3; wanted a length above 0.");
+  EXPECT_EQ(negative.error().message(),
+            "project.yaml:4: rows.spacing_m is -3; wanted metres, from 0.001 to 100.");
   EXPECT_EQ(read_project(folder_ / "none.yaml").error().code, "file_missing");
+}
+
+// Each of these was measured with once, and told of shot by shot or not at all.
+TEST_F(ProjectTest, RefusesFarmsThatCannotBeWithTheLine) {
+  const std::string head = "name: x\ncamera: { model: camera.yaml }\nshots: { images: frames/*.jpg }\n";
+  for (const auto& [rows, words] : std::map<std::string, std::string>{
+           {"spacing_m: 3000", "rows.spacing_m is 3000; wanted metres, from 0.001 to 100."},
+           {"spacing_m: 1e-300", "rows.spacing_m is 1e-300; wanted metres, from 0.001 to 100."},
+           {"spacing_m: 3, height_m: 1e9", "rows.height_m is 1e+09; wanted metres, from 0.001 to 100."},
+           {"spacing_m: .nan", "rows.spacing_m is '.nan'; wanted a number."},
+           {"spacing_m: 3, half_width_m: 2",
+            "rows.half_width_m is 2 for rows 3 m apart; wanted at most half of that."}}) {
+    const auto project = read(head + "rows: { " + rows + " }\n");
+    ASSERT_FALSE(project.ok()) << rows;
+    EXPECT_EQ(project.error().message(), "project.yaml:4: " + words);
+  }
+}
+
+TEST_F(ProjectTest, AnEmptyListOfPicturesIsASlip) {
+  const auto project = read("name: x\ncamera: { model: camera.yaml }\nshots: { images: [] }\n");
+  ASSERT_FALSE(project.ok());
+  EXPECT_EQ(project.error().message(),
+            "project.yaml:3: shots.images is an empty list; wanted a pattern, or a list of them.");
+}
+
+// A damaged project is a project whose numbers can be, or an error that says where.
+TEST_F(ProjectTest, DamagedFilesGiveProjectsOrErrors) {
+  const std::string whole =
+      std::string(kSmallest) + "depth: { maps: [frames/a2.jpg], values: metres, unit_per_count: 0.004 }\n";
+  base::Random random(27112026);
+  for (int i = 0; i < 3000; ++i) {
+    const auto project = read(testing::damaged(whole, random));
+    if (!project.ok()) {
+      EXPECT_FALSE(project.error().code.empty());
+      EXPECT_FALSE(project.error().message().empty());
+      continue;
+    }
+    EXPECT_FALSE(project->images.empty());
+    for (const Estimate& length : {project->field.row_spacing_m, project->field.row_height_m})
+      EXPECT_TRUE(std::isnan(length.value) || (length.value > 0.0 && length.value <= 100.0));
+  }
 }
 
 // "one of a, b" of an unknown key's error must name the schema's properties: the two are written apart and

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "damaged.h"
 #include "furrow/sim/simulate.h"
 
 namespace furrow::sim {
@@ -65,6 +66,20 @@ TEST(Scene, ContradictionsAreRefused) {
   }
   EXPECT_TRUE(parse_scene(kLegs, "a.yaml").ok());
   EXPECT_FALSE(parse_scene("", "a.yaml").ok()) << "a scene without legs";
+}
+
+// A damaged scene is a scene that can be rendered or an error that says where.
+TEST(Scene, DamagedFilesGiveScenesOrErrors) {
+  const std::string whole = to_yaml(demo_scene());
+  base::Random random(27112026);
+  for (int i = 0; i < 500; ++i) {
+    const Result<Scene> read = parse_scene(testing::damaged(whole, random), "a.yaml");
+    if (read.ok()) {
+      EXPECT_TRUE(validate(*read).ok());
+    } else {
+      EXPECT_NE(read.error().where.find("a.yaml"), std::string::npos);
+    }
+  }
 }
 
 TEST(Scene, ProgramsScenesAreChecked) {

@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
+#include "damaged.h"
 #include "furrow/base/file.h"
-#include "furrow/base/random.h"
 #include "furrow/telemetry/track.h"
 #include "samples.h"
 
@@ -25,20 +25,6 @@ void expect_sound(const Result<Track>& track) {
     ASSERT_FALSE(std::abs(s.latitude_deg) > 90.0);
     ASSERT_FALSE(s.yaw_deg < 0.0 || s.yaw_deg >= 360.0);
   }
-}
-
-std::string damaged(const std::string& text, base::Random& random) {
-  std::string out = text;
-  const auto size = [&] { return static_cast<std::uint32_t>(out.size()); };
-  if (random.below(2) == 0 && !out.empty()) out.resize(random.below(size()));
-  const std::uint32_t flips = random.below(20);
-  for (std::uint32_t k = 0; k < flips && !out.empty(); ++k)
-    out[random.below(size())] = static_cast<char>(random.below(256));
-  if (random.below(4) == 0 && !out.empty()) {
-    const std::uint32_t from = random.below(size());
-    out.insert(random.below(size()), out.substr(from, random.below(200)));
-  }
-  return out;
 }
 
 TEST(Fuzz, DamagedFilesNeverCrashAReader) {
@@ -68,7 +54,7 @@ TEST(Fuzz, DamagedFilesNeverCrashAReader) {
   const int rounds = wished != nullptr ? std::atoi(wished) : 150;
   base::Random random(31052026 + static_cast<std::uint64_t>(rounds));
   for (const std::string& seed : seeds)
-    for (int i = 0; i < rounds; ++i) expect_sound(parse_track(damaged(seed, random), "damaged"));
+    for (int i = 0; i < rounds; ++i) expect_sound(parse_track(testing::damaged(seed, random), "damaged"));
 }
 
 TEST(Fuzz, MonstersEndInTime) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "furrow/base/result.h"
 #include "furrow/stats/estimate.h"
 
 namespace furrow::altitude {
@@ -33,6 +34,10 @@ struct FieldKnowledge {
   /// One-sigma of a row's own half width about half_width_m, likewise. NaN: kGrowthSigmaPerHalfWidth.
   double growth_sigma_m = std::numeric_limits<double>::quiet_NaN();
 };
+
+/// Error bad_field when rows would overlap, even one sigma narrower: then a whole width was taken for half of
+/// one.
+Status rows_apart(const FieldKnowledge& field);
 
 /// Rows set out with RTK or by tape and posts lie within 2 to 3 cm of their place at 3 m spacing: one
 /// hundredth.

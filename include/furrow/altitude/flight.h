@@ -1,9 +1,11 @@
 #pragma once
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "furrow/altitude/shot_height.h"
+#include "furrow/base/result.h"
 
 namespace furrow::altitude {
 
@@ -87,14 +89,24 @@ struct RefinedFlight {
   int iterations = 0;
   double residual_rms = 0.0;  ///< weighted; about 1 when the sigmas are right
   std::string termination = "never ran";
-  bool usable = false;
+  /// Why there is no answer for the flight as a whole: no_usable_shot (with the first shot's reason) where
+  /// each shot failed or was denied, solve_failed. `status` and `reason` say of each shot what was made of
+  /// it.
+  std::optional<Error> failure = Error{"not_run", "flight", "not refined yet", "", ""};
+
+  bool usable() const { return !failure; }
+  /// Whether the flight leaves the shot out for what the other shots say (denied_by_neighbours,
+  /// rows_do_not_fit); what the shot says alone is then not to be believed either.
+  bool denies(std::size_t shot) const;
 };
 
 /// All shots at once: each has its height, angles and cross-track; gimbal bias, slope, focal factor and the
 /// farm's numbers are shared (docs/formulation/altitude.md, section 9). Time and memory grow linearly with
-/// the shots. Errors: no_shots, no_spacing, not_finite, bad_field, no_usable_shot (with the first shot's
-/// reason), solve_failed.
+/// the shots. Errors: no_shots, no_spacing, not_finite, bad_field; see also `failure`.
 Result<RefinedFlight> refine_flight(const std::vector<ShotInput>& shots, const Camera& camera,
                                     const FieldKnowledge& field, const FlightOptions& options = {});
+
+/// Why a flight has no answer as a whole, be it bad input or its shots; nothing where it has one.
+std::optional<Error> failure_of(const Result<RefinedFlight>& flight);
 
 }  // namespace furrow::altitude
