@@ -114,8 +114,10 @@ TEST_F(DepthShot, AHoleAtTheMiddleTakesOnlyTheThesissHeight) {
 // Neither height without a pitch; nor with one at the horizon, from which no distance means a height.
 TEST_F(DepthShot, WithoutAPitchBelowTheHorizonThereIsNoHeight) {
   pose_.state.gimbal_pitch_deg = std::nan("");
-  EXPECT_TRUE(std::isnan(process(level_canopy()).record.above_canopy_depth_thesis_m.value));
-  EXPECT_TRUE(std::isnan(process(level_canopy()).record.above_canopy_depth_m.value));
+  const ShotResult untold = process(level_canopy());
+  EXPECT_TRUE(std::isnan(untold.record.above_canopy_depth_thesis_m.value));
+  EXPECT_TRUE(std::isnan(untold.record.above_canopy_depth_m.value));
+  EXPECT_EQ(untold.depth_reason, "");  // nothing is wrong with the map
   pose_.state.gimbal_pitch_deg = 0.0;
   EXPECT_TRUE(std::isnan(process(level_canopy()).record.above_canopy_depth_thesis_m.value));
 }
