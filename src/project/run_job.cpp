@@ -8,7 +8,6 @@
 #include "furrow/base/file.h"
 #include "furrow/base/parallel.h"
 #include "furrow/base/text.h"
-#include "furrow/camera/model_files.h"
 #include "furrow/figures/figures.h"
 #include "furrow/project/jobs.h"
 #include "furrow/report/page.h"
