@@ -1,9 +1,9 @@
 #include "flight_system.h"
 
-#include <ceres/ceres.h>
 #include <algorithm>
 #include <cmath>
 
+#include "ceres_solve.h"
 #include "flight_costs.h"
 #include "furrow/stats/robust.h"
 
@@ -77,15 +77,10 @@ SolveReport solve(FlightSystem& flight, const FlightOptions& options) {
         flight.members[tie.first].shot.x.data(), flight.members[tie.first + 1].shot.x.data());
   }
   for (const ParameterPrior& prior : flight.shared_priors) {
-    const bool of_farm = prior.parameter < kFarmSize;
-    if (of_farm) {
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<PriorCost, 1, kFarmSize>(new PriorCost{prior, prior.parameter}),
-          nullptr, farm);
+    if (prior.parameter < kFarmSize) {
+      add_prior<kFarmSize>(problem, prior, prior.parameter, farm);
     } else {
-      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorCost, 1, kFlightSize>(
-                                   new PriorCost{prior, prior.parameter - kFarmSize}),
-                               nullptr, common);
+      add_prior<kFlightSize>(problem, prior, prior.parameter - kFarmSize, common);
     }
   }
   ceres::Solver::Options settings;
@@ -95,14 +90,9 @@ SolveReport solve(FlightSystem& flight, const FlightOptions& options) {
   // of squares is hundredths of a sigma.
   settings.function_tolerance = 1e-6;
   settings.parameter_tolerance = 1e-9;
-  // One thread: sums in another order would change the last digits.
-  settings.num_threads = 1;
-  settings.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(settings, &problem, &summary);
-  return {static_cast<int>(summary.iterations.size()),
-          ceres::TerminationTypeToString(summary.termination_type),
-          summary.IsSolutionUsable() && flight.shared.allFinite()};
+  SolveReport report = solve(problem, settings);
+  report.usable = report.usable && flight.shared.allFinite();
+  return report;
 }
 
 }  // namespace furrow::altitude

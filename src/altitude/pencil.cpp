@@ -20,7 +20,7 @@ const double kParallelPitchSigma = geom::deg_to_rad(5.0);
 /// edge of the row in front. Others carry a wrong index.
 bool lies_at_its_row(const EdgeLine& line, double slope, const PencilVector& x) {
   const double b = x[kPencilB], side = side_of(line);
-  const double top = x[kPencilA] + b * line.row + x[kPencilG] * line.reach;
+  const double top = pencil_slope(x.data(), line);
   const double margin = 0.5 * std::abs(b);
   if (side == 0.0 || side * top >= 0.0) return std::abs(slope - top) <= margin;
   // Distances from the foot of the camera, both positive on the row's own side.

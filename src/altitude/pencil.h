@@ -13,6 +13,12 @@ inline constexpr int kPencilTheta = 0, kPencilLambda = 1, kPencilPsi = 2, kPenci
                      kPencilG = 5, kPencilSize = 6;
 using PencilVector = Eigen::Matrix<double, kPencilSize, 1>;
 
+/// Slope at which the pencil `x` has a line (eq. 3.1, 3.8).
+template <class T>
+T pencil_slope(const T* x, const EdgeLine& line) {
+  return x[kPencilA] + x[kPencilB] * static_cast<double>(line.row) + x[kPencilG] * line.reach;
+}
+
 /// The pencil of equally spaced lines that the picture shows, before any metres (eq. 3.1).
 struct Pencil {
   PencilVector value = PencilVector::Zero();

@@ -41,8 +41,7 @@ struct PencilResidual {
       Eigen::Matrix<T, Eigen::Dynamic, 1> raw(n);
       for (int i = 0; i < n; ++i) {
         const EdgeLine& line = block.rows.lines[static_cast<std::size_t>(i / 2)];
-        const T t = x[kPencilA] + x[kPencilB] * static_cast<double>(line.row) + x[kPencilG] * line.reach;
-        raw[i] = distance(line_at(axes, t), line.points[i % 2]);
+        raw[i] = distance(line_at(axes, pencil_slope(x, line)), line.points[i % 2]);
       }
       for (int i = 0; i < n; ++i, ++at) {
         residuals[at] = T(0.0);
@@ -72,7 +71,7 @@ std::vector<PencilBlock> whitened_blocks(const std::vector<EdgeLine>& lines, con
   for (RowBlock& rows : group_by_row(lines)) {
     std::vector<LinePlace> places;
     for (const EdgeLine& line : rows.lines) {
-      const double slope = x[kPencilA] + x[kPencilB] * line.row + x[kPencilG] * line.reach;
+      const double slope = pencil_slope(x.data(), line);
       // Lengths in units of the spacing: the drop is 1 / |b|.
       places.push_back({slope, 1.0 / std::abs(x[kPencilB]), wall_slope_sigma(line, slope, x[kPencilB])});
     }

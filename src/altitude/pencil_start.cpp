@@ -72,9 +72,9 @@ double start_misfit(const std::vector<EdgeLine>& lines, const RowAxes<double>& a
   constexpr double kMost = 5.0;    // of these
   double sum = 0.0;
   for (const EdgeLine& line : lines) {
-    const double wanted = x[kPencilA] + x[kPencilB] * line.row + x[kPencilG] * line.reach;
-    const double off = std::min(std::abs((slope_at(axes, line) - wanted) / x[kPencilB]) / kStray, kMost);
-    sum += off * off;
+    const double off = slope_at(axes, line) - pencil_slope(x.data(), line);
+    const double strays = std::min(std::abs(off / x[kPencilB]) / kStray, kMost);
+    sum += strays * strays;
   }
   return sum;
 }

@@ -1,6 +1,6 @@
-#include <ceres/ceres.h>
 #include <cmath>
 
+#include "ceres_solve.h"
 #include "outline_roughness.h"
 #include "shot_system.h"
 
@@ -45,13 +45,9 @@ SolveReport solve(const ShotSystem& system, ShotVector& x, bool robust, const Re
   }
   for (const ParameterPrior& prior : system.priors) {
     if (prior.parameter < kPoseSize) {
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<PriorCost, 1, kPoseSize>(new PriorCost{prior, prior.parameter}),
-          nullptr, pose);
+      add_prior<kPoseSize>(problem, prior, prior.parameter, pose);
     } else {
-      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorCost, 1, kFarmSize>(
-                                   new PriorCost{prior, prior.parameter - kPoseSize}),
-                               nullptr, farm);
+      add_prior<kFarmSize>(problem, prior, prior.parameter - kPoseSize, farm);
     }
   }
   ceres::Solver::Options settings;
@@ -59,13 +55,9 @@ SolveReport solve(const ShotSystem& system, ShotVector& x, bool robust, const Re
   settings.max_num_iterations = options.max_iterations;
   settings.function_tolerance = robust ? 1e-6 : 1e-12;
   settings.parameter_tolerance = 1e-12;
-  settings.num_threads = 1;
-  settings.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(settings, &problem, &summary);
-  return {static_cast<int>(summary.iterations.size()),
-          ceres::TerminationTypeToString(summary.termination_type),
-          summary.IsSolutionUsable() && x.allFinite()};
+  SolveReport report = solve(problem, settings);
+  report.usable = report.usable && x.allFinite();
+  return report;
 }
 
 bool has_covariance(const Camera& camera) {

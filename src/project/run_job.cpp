@@ -3,19 +3,12 @@
 #include <map>
 #include <mutex>
 
-#include "furrow/altitude/birds_eye.h"
 #include "furrow/altitude/flight.h"
 #include "furrow/audit/truth.h"
 #include "furrow/base/file.h"
 #include "furrow/base/parallel.h"
 #include "furrow/base/text.h"
-#include "furrow/camera/model_files.h"
-#include "furrow/figures/comparison.h"
 #include "furrow/figures/figures.h"
-#include "furrow/figures/pictures.h"
-#include "furrow/figures/sources.h"
-#include "furrow/figures/stacked.h"
-#include "furrow/image/image.h"
 #include "furrow/project/jobs.h"
 #include "furrow/report/page.h"
 #include "furrow/stats/robust.h"
@@ -24,15 +17,14 @@
 #include "project/hand_widths.h"
 #include "project/manifest.h"
 #include "project/pages.h"
+#include "project/run_figures.h"
+#include "project/run_provenance.h"
 #include "project/shot_chain.h"
 
 namespace furrow::project {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Overlays in the report: enough to judge the detection over the flight, few enough to read.
-constexpr std::size_t kReportOverlays = 4;
 
 /// Shots in the project's order. An unreadable picture stays in, so that the i-th picture keeps its place
 /// among the log's marks.
@@ -115,132 +107,6 @@ Result<altitude::RefinedFlight> refine_flight(const std::vector<ShotResult>& res
   auto flight = altitude::refine_flight(inputs, *camera, project.field, options);
   base::report(job.progress, "refining the flight", 1, 1);
   return flight;
-}
-
-/// Up to kReportOverlays shots, evenly spread over those with rows.
-std::vector<std::size_t> shots_to_show(const std::vector<ShotResult>& results) {
-  std::vector<std::size_t> with_rows;
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    if (results[i].lines.ok()) with_rows.push_back(i);
-  }
-  if (with_rows.size() <= kReportOverlays) return with_rows;
-  std::vector<std::size_t> chosen;
-  for (std::size_t k = 0; k < kReportOverlays; ++k)
-    chosen.push_back(with_rows[k * (with_rows.size() - 1) / (kReportOverlays - 1)]);
-  return chosen;
-}
-
-/// From straight above, for a shot that the flight's refinement holds.
-Status add_birds_eye(std::vector<figures::Figure>& made, const Image& picture, const ShotResult& result,
-                     const altitude::RefinedShot& shot) {
-  const auto view = altitude::birds_eye(picture, result.lines, *result.camera, shot);
-  if (!view.ok()) return view.error().code == "no_ground" ? Status(Done{}) : view.error();
-  FURROW_TRY(made.emplace_back(), figures::birds_eye(*view, result.record.shot_id));
-  return Done{};
-}
-
-Result<std::vector<figures::Figure>> overlays(const std::vector<telemetry::Shot>& shots,
-                                              const std::vector<ShotResult>& results,
-                                              const Result<altitude::RefinedFlight>& flight) {
-  std::vector<figures::Figure> made;
-  for (const std::size_t i : shots_to_show(results)) {
-    FURROW_TRY(const Image picture, image::read_image(shots[i].image));
-    FURROW_TRY(made.emplace_back(),
-               figures::row_overlay(picture, results[i].lines, results[i].record.shot_id));
-    if (flight.ok() && flight->shots[i].usable)
-      FURROW_DO(add_birds_eye(made, picture, results[i], flight->shots[i]));
-  }
-  return made;
-}
-
-/// Keeps a figure; one that had nothing to draw is left out.
-Status keep(std::vector<figures::Figure>& made, Result<figures::Figure> figure) {
-  if (!figure.ok() && figure.error().code == "nothing_to_draw") return Done{};
-  FURROW_TRY(made.emplace_back(), std::move(figure));
-  return Done{};
-}
-
-/// The figures of the page's sections on heights.
-Status draw_heights(RunContent& content) {
-  const auto& records = content.records;
-  const double row_height_m = content.project.field.row_height_m.value;
-  auto& flight = content.flight_figures;
-  FURROW_TRY(flight.emplace_back(), figures::heights_over_shots(records, row_height_m));
-  FURROW_TRY(flight.emplace_back(), figures::pitch_over_shots(records));
-  FURROW_TRY(flight.emplace_back(), figures::cross_track_over_shots(records));
-  FURROW_DO(keep(flight, figures::agreement(figures::heights_against_log(records))));
-  FURROW_DO(keep(flight, figures::error_histogram(figures::heights_against_truth(records))));
-  FURROW_DO(keep(content.leg_figures, figures::heights_by_leg(records, row_height_m)));
-  FURROW_DO(keep(content.leg_figures, figures::log_heights_over_shots(records, false)));
-  FURROW_DO(keep(content.leg_figures, figures::log_heights_over_shots(records, true)));
-  FURROW_DO(keep(content.budget_figures, figures::budget_over_shots(content.budgets)));
-  if (!content.fusion.ok()) return Done{};
-  return keep(content.fusion_figures, figures::fusion_over_shots(records, *content.fusion));
-}
-
-std::vector<std::string> camera_words(const ProjectCamera& camera, const std::vector<ShotResult>& results) {
-  std::vector<std::string> words;
-  if (!camera.camera.provenance.empty()) words.push_back("Source: " + camera.camera.provenance + ".");
-  std::vector<std::string> seen;
-  for (const ShotResult& result : results) {
-    if (!result.camera || result.camera->provenance == camera.camera.provenance) continue;
-    if (std::find(seen.begin(), seen.end(), result.camera->provenance) != seen.end()) continue;
-    seen.push_back(result.camera->provenance);
-    words.push_back("For the shots: " + result.camera->provenance + ".");
-  }
-  return words;
-}
-
-std::vector<std::string> log_words(const Project& project, const std::optional<telemetry::Track>& track,
-                                   const sync::Located& located, const std::vector<telemetry::Shot>& shots) {
-  std::vector<std::string> words;
-  if (track) {
-    words.push_back(project.telemetry->filename().string() + ": " + track->format + ", " +
-                    std::to_string(track->samples.size()) + " rows.");
-    words.insert(words.end(), track->warnings.begin(), track->warnings.end());
-  } else {
-    words.push_back("No log is given; what the pictures' own metadata say is used.");
-  }
-  words.push_back("Shots were placed by: " + located.method + ".");
-  words.insert(words.end(), located.warnings.begin(), located.warnings.end());
-  for (const auto& shot : shots) {
-    for (const auto& warning : shot.warnings) words.push_back(shot.shot_id + ": " + warning);
-  }
-  return words;
-}
-
-base::Value options_value(const Project& project) {
-  const auto length = [](const Estimate& e) {
-    base::Value value;
-    value.set("value", e.value);
-    value.set("sigma", e.sigma);
-    return value;
-  };
-  base::Value value;
-  value.set("name", project.name);
-  value.set("rows_method", project.rows_method == rows::Method::thesis ? "thesis" : "field");
-  value.set("spacing_m", length(project.field.row_spacing_m));
-  value.set("half_width_m", length(project.field.half_width_m));
-  value.set("height_m", length(project.field.row_height_m));
-  value.set("foliage_depth_m", length(project.field.foliage_depth_m));
-  value.set("outline_rise_m", length(project.field.outline_rise_m));
-  value.set("slope_sigma_deg", project.slope_sigma_deg);
-  value.set("slope_across_sigma_deg", project.slope_across_sigma_deg);
-  if (std::isfinite(project.gimbal_pitch_deg)) value.set("gimbal_pitch_deg", project.gimbal_pitch_deg);
-  value.set("gimbal_pitch_sigma_deg", project.gimbal_pitch_sigma_deg);
-  value.set("gimbal_roll_sigma_deg", project.gimbal_roll_sigma_deg);
-  return value;
-}
-
-base::Value inputs_value(const Project& project) {
-  std::vector<fs::path> files = {project.file};
-  if (!project.camera_model.empty()) files.push_back(project.camera_model);
-  if (!project.board_file.empty()) files.push_back(project.board_file);
-  files.insert(files.end(), project.board_images.begin(), project.board_images.end());
-  if (project.telemetry) files.push_back(*project.telemetry);
-  if (project.hand_widths) files.push_back(*project.hand_widths);
-  files.insert(files.end(), project.images.begin(), project.images.end());
-  return hash_inputs(files);
 }
 
 /// What the pictures alone say of each shot: within the flight where it carries the shot.
@@ -452,7 +318,7 @@ Result<RunOutcome> run_job(const Project& project, const fs::path& out, const Jo
                      tables.flight,
                      budgets,
                      tables.fusion,
-                     camera_words(tables.camera, tables.results),
+                     camera_words(tables.camera.camera, tables.results),
                      log_words(project, tables.track, tables.located, tables.shots),
                      {},
                      {},

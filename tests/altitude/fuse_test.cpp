@@ -342,9 +342,42 @@ TEST(Fuse, NamesWhatCannotBeAnswered) {
   EXPECT_EQ(fuse({a, b}, options()).error().code, "times_not_increasing");
   b.t_s = std::nan("");
   EXPECT_EQ(fuse({a, b}, options()).error().code, "times_not_increasing");
-  FuseOptions bad = options();
-  bad.baro_sigma_m = 0.0;
-  EXPECT_EQ(fuse({a}, bad).error().code, "not_finite");
+  for (double FuseOptions::*sigma : {&FuseOptions::baro_sigma_m, &FuseOptions::gate_sigmas}) {
+    FuseOptions bad = options();
+    bad.*sigma = 0.0;
+    EXPECT_EQ(fuse({a}, bad).error().code, "not_finite");
+  }
+  for (double FuseOptions::*sigma :
+       {&FuseOptions::vps_canopy_sigma_m, &FuseOptions::baro_drift_m_per_sqrt_s}) {
+    FuseOptions may_be_none = options();
+    may_be_none.*sigma = 0.0;
+    EXPECT_TRUE(fuse({a}, may_be_none).ok());
+    may_be_none.*sigma = std::nan("");
+    EXPECT_EQ(fuse({a}, may_be_none).error().code, "not_finite");
+  }
+}
+
+// Such readings had made every height of the flight NaN, with a sigma of 0.
+TEST(Fuse, NamesThePictureThatCannotBeWeighed) {
+  HeightSample good;
+  good.vision_above_canopy_m = {2.0, 0.1, 1};
+  std::vector<HeightSample> bad(4, good);
+  bad[0].vision_above_canopy_m.sigma = 0.0;
+  bad[1].depth_above_canopy_m = {2.0, 0.0, 1};
+  bad[2].vision_shared = {{"outline", std::nan("")}};
+  bad[3].vision_reach_m = std::nan("");
+  for (HeightSample& second : bad) {
+    second.t_s = 1.0;
+    const auto fused = fuse({good, second}, options());
+    ASSERT_FALSE(fused.ok());
+    EXPECT_EQ(fused.error().code, "not_finite");
+    EXPECT_EQ(fused.error().where, "sample 2");
+  }
+  // What a silent picture carries along does no harm.
+  for (const std::size_t i : {2, 3}) {
+    bad[i].vision_above_canopy_m = {};
+    EXPECT_TRUE(fuse({good, bad[i]}, options()).ok());
+  }
 }
 
 }  // namespace

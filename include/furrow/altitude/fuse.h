@@ -112,7 +112,7 @@ struct FusedFlight {
 /// Kalman smoother over the flight (docs/formulation/altitude.md, section 11) with height, climb and each
 /// source's bias as state; a downward sensor's reading is taken as canopy, soil or neither, and outliers are
 /// gated, until nothing changes; where that sensor's own steps tell its surfaces, from the likelier of two
-/// starts. Errors: no_samples, times_not_increasing, not_finite (options),
+/// starts. Errors: no_samples, times_not_increasing, not_finite (options; a picture's height of sigma 0),
 /// no_absolute_height (only sources with unknown offset), no_row_height (VPS alone fixes the height, and the
 /// canopy's height is not known).
 Result<FusedFlight> fuse(const std::vector<HeightSample>& samples, const FuseOptions& options);
