@@ -13,6 +13,7 @@
 #include <map>
 #include <utility>
 
+#include "furrow/base/folder.h"
 #include "furrow/base/text.h"
 
 namespace furrow::base {
@@ -127,6 +128,19 @@ Status PartFile::commit() {
   fs::rename(temporary_, file_, code);
   if (code) return unwritable(file_, code.message());
   temporary_.clear();
+  return Done{};
+}
+
+Status can_hold_results(const fs::path& folder) {
+  std::error_code unknown;
+  fs::path there = fs::absolute(folder.empty() ? "." : folder, unknown).lexically_normal();
+  while (!fs::exists(there, unknown) && there.has_relative_path()) there = there.parent_path();
+  if (!fs::is_directory(there, unknown)) {
+    return Error{"file_unwritable", folder.string(), "'" + there.string() + "' is no folder",
+                 "a folder for the results, new or old", ""};
+  }
+  if (::access(there.c_str(), W_OK | X_OK) != 0)
+    return unwritable(folder, "'" + there.string() + "': " + system_reason(errno));
   return Done{};
 }
 

@@ -75,7 +75,8 @@ class PictureFiles final : public PictureSource {
 /// A video file, a camera or a stream through OpenCV.
 class Capture final : public PictureSource {
  public:
-  Capture(cv::VideoCapture capture, SourceInfo info) : capture_(std::move(capture)), info_(std::move(info)) {}
+  /// A copied cv::VideoCapture is the same capture.
+  Capture(const cv::VideoCapture& capture, SourceInfo info) : capture_(capture), info_(std::move(info)) {}
   const SourceInfo& info() const override { return info_; }
 
   std::optional<TimedPicture> next() override {
@@ -188,7 +189,7 @@ Result<std::unique_ptr<PictureSource>> open_camera(const std::string& what, int 
                  "'ls /dev/video*' lists cameras."};
   capture.set(cv::CAP_PROP_BUFFERSIZE, 1);
   SourceInfo info = info_of(capture, SourceKind::live, what, options);
-  return std::unique_ptr<PictureSource>(new Capture(std::move(capture), std::move(info)));
+  return std::unique_ptr<PictureSource>(new Capture(capture, std::move(info)));
 }
 
 Result<std::unique_ptr<PictureSource>> open_stream(const std::string& what, SourceKind kind,
@@ -206,7 +207,7 @@ Result<std::unique_ptr<PictureSource>> open_stream(const std::string& what, Sour
                  "a video file, a folder of pictures, a camera or a stream", ""};
   capture.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);
   SourceInfo info = info_of(capture, kind, what, options);
-  return std::unique_ptr<PictureSource>(new Capture(std::move(capture), std::move(info)));
+  return std::unique_ptr<PictureSource>(new Capture(capture, std::move(info)));
 }
 
 Result<std::vector<fs::path>> pictures_in(const fs::path& folder) {

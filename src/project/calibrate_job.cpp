@@ -1,4 +1,5 @@
 #include "furrow/base/file.h"
+#include "furrow/base/folder.h"
 #include "furrow/calib/choose_model.h"
 #include "furrow/calib/mrcal_inputs.h"
 #include "furrow/camera/model_files.h"
@@ -96,6 +97,7 @@ Result<JudgedCalibration> calibrate_from_pictures(const std::vector<std::filesys
 Result<CalibrateOutcome> calibrate_job(const std::vector<std::filesystem::path>& images,
                                        const BoardSource& board, const CalibrateJobOptions& options,
                                        const std::filesystem::path& out, const JobOptions& job) {
+  FURROW_DO(base::can_hold_results(out));
   CalibrateOutcome outcome;
   FURROW_TRY(JudgedCalibration judged, calibrate_from_pictures(images, board, options, job));
   outcome.findings = audit::assess_calibration(judged.calibration, judged.verdict);

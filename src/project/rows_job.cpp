@@ -48,6 +48,7 @@ Value row_value(const rows::RowLine& row) {
 /// Names for the pictures' entries and files: the stem, with the folder in front where two are equal.
 std::vector<std::string> names_of(const std::vector<fs::path>& images) {
   std::vector<std::string> names;
+  names.reserve(images.size());
   for (const fs::path& file : images) names.push_back(file.stem().string());
   names = base::names_apart(std::move(names), images);
   for (std::string& name : names) name = fs::path(name).relative_path().string();

@@ -6,6 +6,7 @@
 #include "furrow/altitude/flight.h"
 #include "furrow/audit/truth.h"
 #include "furrow/base/file.h"
+#include "furrow/base/folder.h"
 #include "furrow/base/parallel.h"
 #include "furrow/base/text.h"
 #include "furrow/figures/figures.h"
@@ -287,6 +288,7 @@ std::vector<std::string> warnings_of(const RunTables& tables) {
 
 Result<RunOutcome> run_job(const Project& project, const fs::path& out, const JobOptions& job,
                            const std::optional<fs::path>& truth) {
+  FURROW_DO(base::can_hold_results(out));
   std::optional<base::CsvTable> true_heights;  // named before the work, joined after it
   if (truth) {
     FURROW_TRY(true_heights, base::read_csv(*truth));

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "furrow/base/folder.h"
+
 namespace furrow::base {
 namespace {
 
@@ -41,6 +43,21 @@ TEST(File, SaysWhatIsWrong) {
   ASSERT_TRUE(write_file(folder.path / "big", std::string(100, 'x')).ok());
   EXPECT_EQ(read_file(folder.path / "big", 10).error().code, "file_too_large");
   EXPECT_EQ(write_file(folder.path / "big" / "x", "1").error().code, "file_unwritable");
+}
+
+TEST(File, SaysBeforehandWhetherAFolderCanHoldResults) {
+  const Folder folder;
+  ASSERT_TRUE(write_file(folder.path / "notes", "x").ok());
+  EXPECT_TRUE(can_hold_results(folder.path).ok());
+  EXPECT_TRUE(can_hold_results(folder.path / "new" / "one").ok());
+  EXPECT_TRUE(can_hold_results("").ok()) << "the current folder";
+  EXPECT_FALSE(fs::exists(folder.path / "new")) << "asked, not made";
+  for (const fs::path& wrong : {folder.path / "notes", folder.path / "notes" / "a" / "b"}) {
+    const Status status = can_hold_results(wrong);
+    ASSERT_FALSE(status.ok()) << wrong;
+    EXPECT_EQ(status.error().code, "file_unwritable");
+    EXPECT_NE(status.error().message().find("notes' is no folder"), std::string::npos);
+  }
 }
 
 TEST(File, ExpandsPatternsInNaturalOrder) {

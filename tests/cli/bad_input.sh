@@ -55,6 +55,21 @@ printf 'name: x\ncamera: { model: camera.yaml }\nshots: { images: "*.jpg" }\ntel
 expect_exit 2 "$furrow" run "$out/project.yaml" --out "$out/p"
 expect_says "empty.csv"
 
+# Where results cannot go is said before the work.
+expect_exit 2 "$furrow" run "$out/project.yaml" --out "$out/empty.csv/p"
+expect_says "empty.csv' is no folder"
+expect_exit 2 "$furrow" calibrate --target "$board" --out "$out/empty.csv" "$out/board.png"
+expect_says "empty.csv' is no folder"
+
+# Numbers that no farm and no camera has are named with their place.
+printf 'name: x\ncamera: { model: camera.yaml }\nshots: { images: board.png }\nrows: { spacing_m: 3000 }\n' > "$out/project.yaml"
+expect_exit 2 "$furrow" run "$out/project.yaml" --out "$out/p"
+expect_says "project.yaml:4: rows.spacing_m is 3000; wanted metres, from 0.001 to 100"
+sed 's/50., 0., 31.5/.nan, 0., 31.5/' "$out/camera.yaml" > "$out/nan.yaml"
+expect_exit 2 "$furrow" camera show "$out/nan.yaml"
+expect_says "nan.yaml:9: \`camera_matrix\` holds '.nan'"
+[ -e "$out/p" ] && die "a refused run left results behind"
+
 printf 'seed: 1\nnonsense: 2\n' > "$out/scene.yaml"
 expect_exit 2 "$furrow" simulate "$out/scene.yaml" --out "$out/s"
 expect_says "scene.yaml"
