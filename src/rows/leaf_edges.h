@@ -5,7 +5,7 @@
 #include "furrow/rows/row_lines.h"
 #include "furrow/stats/estimate.h"
 #include "rows/green_map.h"
-#include "rows/row_shape.h"
+#include "rows/common_model.h"
 
 namespace furrow::rows {
 

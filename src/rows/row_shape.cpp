@@ -3,24 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
-#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "furrow/stats/robust.h"
+#include "rows/row_profile.h"
 
 namespace furrow::rows {
 namespace {
-
-constexpr std::size_t kBins = 230;  // of a profile across a row
-constexpr double kReach = 0.90;  // of a profile to each side, spacings: to the foot of a wall seen from low
-constexpr double kBinWidth = 2.0 * kReach / static_cast<double>(kBins);
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-
-/// Half the window along the row, in samples, over which levels and the smooth edges are taken: parallel
-/// edges keep their place in spacings along a row, in any perspective, so averaging there does not blur them.
-constexpr int kWindow = 8;
 
 /// Least contrast of excess green between row and alley: a leaf has 0.2 to 0.6, the noise of soil about 0.02.
 constexpr float kLeastContrast = 0.03F;
@@ -31,126 +21,6 @@ constexpr float kLeastPart = 0.3F;
 /// How far rows stray from the common model, and how well the middle of the green tells a row's middle, both
 /// one-sigma in spacings (train pictures of CRBD, development half).
 constexpr double kOwnSpread = 0.02, kMiddleSigma = 0.02;
-
-double bin_of(double x) {
-  return (x + kReach) / kBinWidth - 0.5;
-}
-
-using Profile =
-    std::array<float, kBins>;  // greenness by distance from the row's model centre; NaN outside the picture
-
-/// Mean over the bins' widths of what several picture rows show. Unseen bins count nothing.
-class ProfileSum {
- public:
-  /// Takes one row of the map in by its running sum; borders of the bins are at `first + i * width`, px from
-  /// the map's left border. Bins are means over their whole width: points would lose edges between them.
-  void add(const float* running, int map_width, float first, float width) {
-    const float end = static_cast<float>(map_width), per_width = 1.0F / width, bins = static_cast<float>(kBins);
-    const auto from = static_cast<std::size_t>(std::clamp(std::ceil(-first * per_width), 0.0F, bins));
-    const auto to = static_cast<std::size_t>(std::clamp(std::floor((end - first) * per_width), 0.0F, bins));
-    if (to <= from) return;
-    // In loops of which the first and the last fit vector registers.
-    for (std::size_t i = from; i <= to; ++i) {
-      const float x = std::min(std::max(first + static_cast<float>(static_cast<int>(i)) * width, 0.0F), end);
-      pixel_[i] = static_cast<int>(x);
-      sum_to_[i] = x - static_cast<float>(pixel_[i]);
-    }
-    for (std::size_t i = from; i <= to; ++i) {
-      const float* at = running + pixel_[i];
-      sum_to_[i] = at[0] + sum_to_[i] * (at[1] - at[0]);
-    }
-    for (std::size_t i = from; i < to; ++i) sum_[i] += (sum_to_[i + 1] - sum_to_[i]) * per_width;
-    ++begun_[from], --begun_[to];
-  }
-  Profile mean() const {
-    Profile mean;
-    int count = 0;
-    for (std::size_t i = 0; i < kBins; ++i) {
-      count += begun_[i];
-      mean[i] = count > 0 ? sum_[i] / static_cast<float>(count) : kNone;
-    }
-    return mean;
-  }
-
- private:
-  std::array<float, kBins> sum_{};
-  std::array<int, kBins + 1> begun_{};  // rows that show bins from here on; less those that end
-  std::array<int, kBins + 1> pixel_;
-  std::array<float, kBins + 1> sum_to_;  // at first the part of a pixel
-};
-
-/// Mean profile over the map's rows that belong to one sample. `cuts` are the model's at the map's rows.
-Profile sample_profile(const SummedMap& summed, const std::vector<Cut>& cuts, int k, double v_from,
-                       double v_to) {
-  const GreenMap& map = summed.map();
-  ProfileSum sum;
-  const int first =
-      std::clamp(static_cast<int>(std::ceil((v_from + 0.5) / map.scale_v - 0.5)), 0, map.height - 1);
-  const int last =
-      std::clamp(static_cast<int>(std::floor((v_to + 0.5) / map.scale_v - 0.5)), first, map.height - 1);
-  const int step = last - first >= 5 ? 2 : 1;  // neighbouring rows of a fine map tell the same
-  for (int row = first; row <= last; row += step) {
-    const Cut& cut = cuts[static_cast<std::size_t>(row)];
-    if (!(cut.spacing > 0.0)) continue;
-    sum.add(summed.running(row), map.width,
-            static_cast<float>((cut.centre + (k - kReach) * cut.spacing + 0.5) / map.scale_u),
-            static_cast<float>(kBinWidth * cut.spacing / map.scale_u));
-  }
-  return sum.mean();
-}
-
-/// The model's cuts of all rows of the map; no spacing where the horizon is near or above.
-std::vector<Cut> cuts_of(const GreenMap& map, const CommonModel& model) {
-  std::vector<Cut> cuts(static_cast<std::size_t>(map.height));
-  for (int row = 0; row < map.height; ++row) {
-    const double v = map.v_in_picture(row);
-    if (model.field().scale(v) > 0.02) cuts[static_cast<std::size_t>(row)] = model.at(v);
-  }
-  return cuts;
-}
-
-/// For every sample the mean of the profiles in its window; a running sum, so the window's length costs
-/// nothing.
-std::vector<Profile> window_means(const std::vector<Profile>& profiles) {
-  std::vector<Profile> means(profiles.size());
-  std::array<float, kBins> sum{}, count{};
-  const auto add = [&](const Profile& profile, float sign) {
-    for (std::size_t i = 0; i < kBins; ++i) {
-      const bool is_seen = !std::isnan(profile[i]);
-      sum[i] += is_seen ? sign * profile[i] : 0.0F;
-      count[i] += is_seen ? sign : 0.0F;
-    }
-  };
-  for (std::size_t j = 0; j < std::min<std::size_t>(kWindow, profiles.size()); ++j) add(profiles[j], 1.0F);
-  for (std::size_t j = 0; j < profiles.size(); ++j) {
-    if (j + kWindow < profiles.size()) add(profiles[j + kWindow], 1.0F);
-    if (j > kWindow) add(profiles[j - kWindow - 1], -1.0F);
-    for (std::size_t i = 0; i < kBins; ++i)
-      means[j][i] = count[i] > 0.0F ? sum[i] / count[i] : kNone;
-  }
-  return means;
-}
-
-/// Mean of the lowest (or highest) `part` of the values in an interval of x.
-std::optional<float> tail_mean(const Profile& profile, double x_from, double x_to, bool lower, double part) {
-  std::array<float, kBins> values;
-  const auto first = static_cast<std::size_t>(std::clamp(std::ceil(bin_of(x_from)), 0.0, kBins - 1.0));
-  const auto last = static_cast<std::size_t>(std::clamp(std::floor(bin_of(x_to)), 0.0, kBins - 1.0));
-  std::size_t seen = 0;
-  for (std::size_t i = first; i <= last; ++i) {
-    values[seen] = profile[i];
-    seen += !std::isnan(profile[i]);
-  }
-  if (seen < 2 || 2 * seen < last - first + 1) return std::nullopt;
-  const auto count = static_cast<std::ptrdiff_t>(std::ceil(part * static_cast<double>(seen)));
-  const auto end = values.begin() + static_cast<std::ptrdiff_t>(seen), last_counted = values.begin() + count - 1;
-  if (lower) {
-    std::nth_element(values.begin(), last_counted, end);
-  } else {
-    std::nth_element(values.begin(), last_counted, end, std::greater<>());
-  }
-  return std::accumulate(values.begin(), last_counted + 1, 0.0F) / static_cast<float>(count);
-}
 
 /// Light of the row's core and of the ground beside its edges.
 struct Light {
@@ -198,11 +68,11 @@ double mixing_shift(double r) {
 constexpr double kMixedPx = 3.0;
 
 constexpr double kFarthest = 0.85;  // spacings from a row's centre: where its edge is looked for
-constexpr int kSteps = static_cast<int>(kFarthest / kBinWidth);
+constexpr int kSteps = static_cast<int>(kFarthest / kProfileBinWidth);
 
 /// Bin `i` steps outwards from a row's centre.
 float outwards(const Profile& profile, int side, int i) {
-  const int half = static_cast<int>(kBins) / 2;
+  const int half = static_cast<int>(kProfileBins) / 2;
   return profile[static_cast<std::size_t>(side == 0 ? half - 1 - i : half + i)];
 }
 
@@ -248,7 +118,7 @@ std::optional<double> edge_of(const Profile& profile, int side, const EdgeSearch
   const float inside = outwards(profile, side, last_inside),
               outside = outwards(profile, side, last_inside + 1);
   const double part = inside > outside ? static_cast<double>((inside - middle) / (inside - outside)) : 0.5;
-  return (last_inside + 0.5 + std::clamp(part, 0.0, 1.0)) * kBinWidth;
+  return (last_inside + 0.5 + std::clamp(part, 0.0, 1.0)) * kProfileBinWidth;
 }
 
 /// One row's measurements, by sample, in spacings from the model's centre.
@@ -408,56 +278,6 @@ std::optional<Estimate> half_width_at(const Measured& measured, const CommonMode
 }
 
 }  // namespace
-
-CommonModel::CommonModel(const FoundField& found, const GreenMap& search_map)
-    : field_(found.field), centre_k_(found.followed.centre_k) {
-  field_.u0 = search_map.u_in_picture(found.field.u0);
-  field_.v0 = search_map.v_in_picture(found.field.v0);
-  field_.length = found.field.length * search_map.scale_v;
-  for (double* px : {&field_.spacing, &field_.offset, &field_.slope, &field_.bend, &field_.bend2})
-    *px *= search_map.scale_u;
-  const FollowedField& followed = found.followed;
-  for (std::size_t i = 0; i < followed.v.size(); ++i) {
-    const double spacing = found.field.spacing_at(followed.v[i]);
-    departures_.push_back({search_map.v_in_picture(followed.v[i]),
-                           (followed.centre[i] - found.field.u_at(followed.v[i], centre_k_)) / spacing,
-                           followed.spacing[i] / spacing});
-  }
-}
-
-Cut CommonModel::at(double v) const {
-  double shift = 0.0, stretch = 1.0;
-  if (!departures_.empty()) {
-    const auto upper = std::lower_bound(departures_.begin(), departures_.end(), v,
-                                        [](const Departure& one, double at) { return one.v < at; });
-    const Departure& b = upper == departures_.end() ? departures_.back() : *upper;
-    const Departure& a = upper == departures_.begin() ? b : *(upper - 1);
-    const double part = b.v > a.v ? std::clamp((v - a.v) / (b.v - a.v), 0.0, 1.0) : 0.0;
-    shift = a.shift + part * (b.shift - a.shift);
-    stretch = a.stretch + part * (b.stretch - a.stretch);
-  }
-  const double spacing = field_.spacing_at(v);
-  return {v, field_.u_at(v, centre_k_) + shift * spacing - centre_k_ * spacing * stretch, spacing * stretch};
-}
-
-SummedMap::SummedMap(GreenMap map) : map_(std::move(map)) {
-  constexpr int kTogether = 4;  // rows: one sum waits for the addition before
-  const auto width = static_cast<std::size_t>(map_.width), stride = width + 2;
-  sums_.resize(stride * static_cast<std::size_t>(map_.height));
-  for (int top = 0; top < map_.height; top += kTogether) {
-    std::array<const float*, kTogether> in{};
-    std::array<float*, kTogether> out{};
-    std::array<float, kTogether> sum{};
-    for (int i = 0; i < kTogether; ++i) {
-      const int row = std::min(top + i, map_.height - 1);
-      in[static_cast<std::size_t>(i)] = map_.row(row);
-      out[static_cast<std::size_t>(i)] = sums_.data() + static_cast<std::size_t>(row) * stride;
-    }
-    for (std::size_t u = 0; u < width; ++u)
-      for (std::size_t i = 0; i < kTogether; ++i) out[i][u + 1] = sum[i] += in[i][u];
-    for (std::size_t i = 0; i < kTogether; ++i) out[i][width + 1] = sum[i];
-  }
-}
 
 void shape_rows(const SummedMap& summed, const CommonModel& model, std::vector<RowLine>& rows) {
   const GreenMap& map = summed.map();

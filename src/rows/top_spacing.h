@@ -5,7 +5,7 @@
 
 #include "furrow/rows/row_lines.h"
 #include "rows/row_light.h"
-#include "rows/row_shape.h"
+#include "rows/common_model.h"
 
 namespace furrow::rows {
 

@@ -11,6 +11,7 @@
 #include "rows/edge_pencil.h"
 #include "rows/index_rows.h"
 #include "rows/leaf_edges.h"
+#include "rows/summed_map.h"
 
 namespace furrow::rows {
 namespace {
