@@ -40,7 +40,8 @@ std::string failures(const std::vector<ShotRecord>& records) {
     for (std::size_t i = 0; i < std::min(shots.size(), kNamed); ++i)
       names += (i > 0 ? ", " : "") + shots[i]->shot_id;
     if (shots.size() > kNamed) names += ", ...";
-    text += (text.empty() ? "" : "; ") + std::to_string(shots.size()) + " " + status + " (" + names + ")";
+    if (!text.empty()) text += "; ";
+    text.append(std::to_string(shots.size())).append(" ").append(status).append(" (" + names + ")");
     if (!shots[0]->reason.empty()) text += ": " + shots[0]->reason;
   }
   return text.empty() ? "every shot has one" : text;

@@ -85,10 +85,12 @@ std::vector<TruthComparison> compare_with_truth(const std::vector<ShotRecord>& r
       {"refined, whole flight", of_flight},
       {"fused", field(&ShotRecord::above_canopy_fused_m)}};
   std::vector<double> truths;
+  truths.reserve(records.size());
   for (const ShotRecord& record : records) truths.push_back(record.truth_above_canopy_m);
   std::vector<TruthComparison> lines;
   for (const auto& [name, height] : methods) {
     std::vector<Estimate> heights;
+    heights.reserve(records.size());
     for (const ShotRecord& record : records) heights.push_back(height(record));
     const TruthComparison line = compare(name, heights, truths);
     if (line.shots > 0) lines.push_back(line);

@@ -130,6 +130,7 @@ int fill_panel(Drawing& drawing, const Frame& frame, const FollowingCurves& curv
 double draw_following_legend(Drawing& drawing, const FollowingCurves& curves,
                              const std::vector<Series>& series) {
   std::vector<LegendEntry> legend;
+  legend.reserve(series.size() + 1);
   for (const Series& one : series) legend.push_back(legend_of(one));
   LegendEntry hold{"hold: nothing to steer by", {0xE8, 0xE8, 0xE8}};
   hold.bar = true;
