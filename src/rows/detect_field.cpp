@@ -63,15 +63,22 @@ std::vector<RowLine> shaped_rows(const SummedMap& map, const CommonModel& model,
   return rows;
 }
 
+/// A model with its rows straight.
+struct Straightened {
+  CommonModel model;
+  double row_zero = 0.0;  ///< the row that is its row 0 had this number before
+};
+
 /// The model with its rows straight towards `point`, where they are on the picture row that the search fits
 /// best. Row 0 becomes the followed one.
-CommonModel straightened(const CommonModel& model, const Eigen::Vector2d& point, int width, int height) {
+Straightened straightened(const CommonModel& model, const Eigen::Vector2d& point, int width, int height) {
   const Cut cut = model.at(0.7 * height);
   const PlanarField field = field_through(model.field(), point, cut.v, cut.centre, cut.spacing);
   const double v_middle = 0.5 * (height - 1);
-  if (field.scale(v_middle) <= 0.0) return CommonModel(field);
+  if (field.scale(v_middle) <= 0.0) return {CommonModel(field), 0.0};
   const double followed = std::round(field.k_at(0.5 * (width - 1), v_middle));
-  return CommonModel(field_through(field, point, cut.v, cut.centre + followed * cut.spacing, cut.spacing));
+  return {CommonModel(field_through(field, point, cut.v, cut.centre + followed * cut.spacing, cut.spacing)),
+          followed};
 }
 
 /// The model with row 0 at row number `middle` and its spacing so many times as wide.
@@ -148,7 +155,7 @@ struct Look : Guess {
 };
 
 /// Straight rows towards where their edges meet, when the gimbal's horizon is known.
-std::optional<CommonModel> straight_model(const Image& picture, Priors priors, const Look& look) {
+std::optional<Straightened> straight_model(const Image& picture, Priors priors, const Look& look) {
   priors.horizon_slope = look.tilt;
   const auto point = meeting_point(look.rows, priors, 0.5 * (picture.width - 1));
   return point ? std::optional(straightened(look.model, *point, picture.width, picture.height))
@@ -163,9 +170,10 @@ void straighten(const Image& picture, const Priors& priors, Look& look) {
   constexpr double kLeastKept = 0.9;
   const auto straight = straight_model(picture, priors, look);
   if (!straight) return;
-  std::vector<RowLine> straight_rows = shaped_rows(look.map, *straight, picture.width, look.sample_v);
+  std::vector<RowLine> straight_rows = shaped_rows(look.map, straight->model, picture.width, look.sample_v);
   if (edge_count(straight_rows) < kLeastKept * edge_count(look.rows)) return;
-  look.model = *straight;
+  look.model = straight->model;
+  if (look.relief) look.relief = look.relief->renumbered(-straight->row_zero);
   look.rows = std::move(straight_rows);
   look.tops = find_tops(look.map.map(), look.model, look.tilt, look.rows);
 }
@@ -285,12 +293,13 @@ Guess guess_relief(const Image& picture, DetectOptions options, const Searched& 
   options.shape_pixels = kSearchPixels;
   const Look look = straight_look(picture, options, searched, guess);
   const auto straight = straight_model(picture, options.priors, look);
-  const auto found = straight ? find_relief(look.map.map(), straight->field()) : std::nullopt;
+  const auto found = straight ? find_relief(look.map.map(), straight->model.field()) : std::nullopt;
   if (!found) return look;
   const Relief& relief = found->relief;
   const double tooth = 2.0 * relief.half_width / relief.spacing;
-  if (!found->elsewhere) return {look.slope, look.model, tooth, relief};
-  return {look.slope, with_spacing(*straight, relief.middle, relief.spacing), tooth, relief.in_own_rows()};
+  if (!found->elsewhere) return {look.slope, look.model, tooth, relief.renumbered(straight->row_zero)};
+  return {look.slope, with_spacing(straight->model, relief.middle, relief.spacing), tooth,
+          relief.in_own_rows()};
 }
 
 /// Rows in the picture levelled by the search's slope; where their tops show that the ground slopes across,

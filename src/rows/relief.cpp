@@ -138,16 +138,16 @@ class Surfaces {
   double axis_, per_period_, half_width_;
 };
 
-/// Log likelihood of the picture where each part has one look.
-double score_of(const Profile& profile, const Relief& relief) {
+/// Log likelihood of the picture where each part has one look; `part_at` gives the part at a row number.
+template <class PartAt>
+double score_of(const Profile& profile, const PartAt& part_at) {
   constexpr double kPiece = 0.25;       // row numbers: what lies closer looks alike
   constexpr double kMostPieces = 30.0;  // the rest lies far off, where a row is a few pixels
   constexpr double kLeastLeft = 0.05;
   std::array<float, kParts> count{};
   std::array<Features, kParts> sum{};
-  const Surfaces surfaces(relief);
   for (std::size_t i = 0; i < profile.k.size(); ++i) {
-    const auto part = static_cast<std::size_t>(surfaces.at(static_cast<double>(profile.k[i])).part);
+    const auto part = static_cast<std::size_t>(part_at(static_cast<double>(profile.k[i])));
     count[part] += 1.0F;
     for (std::size_t f = 0; f < kFeatures; ++f) sum[part][f] += profile.feature[f][i];
   }
@@ -161,6 +161,15 @@ double score_of(const Profile& profile, const Relief& relief) {
   for (const float part : explained)
     score -= 0.5 * pieces * std::log(std::max(1.0 - static_cast<double>(part), kLeastLeft));
   return score;
+}
+
+/// The same of stripes on flat ground, which repeat from row to row or, as where every second alley is sown,
+/// from every second one to the next.
+double flat_score(const Profile& profile) {
+  const auto repeating = [&](double rows) {
+    return score_of(profile, [rows](double k) { return part_of(k / rows - floor_of(k / rows), kParts); });
+  };
+  return std::max(repeating(1.0), repeating(2.0));
 }
 
 /// The relief of the best score among those that have the tops near the field's rows, and among all.
@@ -194,7 +203,8 @@ Search search(const Profile& profile, double camera) {
         relief.half_width = half_width * spacing;
         for (const double foot : kFeet) {
           relief.foot = foot;
-          const double score = score_of(profile, relief);
+          const Surfaces surfaces(relief);
+          const double score = score_of(profile, [&](double k) { return surfaces.at(k).part; });
           if (score > found.score_any) found.score_any = score, found.any = relief;
           if (same && score > found.score_same) found.score_same = score, found.same = relief;
         }
@@ -214,6 +224,10 @@ Relief Relief::in_own_rows() const {
   return {0.0, 1.0, half_width / spacing, (camera - middle) / spacing, foot};
 }
 
+Relief Relief::renumbered(double more) const {
+  return {middle + more, spacing, half_width, camera + more, foot};
+}
+
 std::optional<FoundRelief> find_relief(const GreenMap& level, const PlanarField& field) {
   constexpr double kLeastGain = 6.0;  // of log likelihood: four hundred to one
   const auto point = field.vanishing_point();
@@ -222,7 +236,7 @@ std::optional<FoundRelief> find_relief(const GreenMap& level, const PlanarField&
   if (profile.k.empty()) return std::nullopt;
   // Straight below the vanishing point lies what is below the camera.
   const Search found = search(profile, field.k_at(point->x(), point->y() + field.length));
-  const bool elsewhere = found.score_any > found.score_same + kLeastGain;
+  const bool elsewhere = found.score_any > std::max(found.score_same, flat_score(profile)) + kLeastGain;
   return FoundRelief{elsewhere ? found.any : found.same, elsewhere};
 }
 

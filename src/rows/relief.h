@@ -21,6 +21,8 @@ struct Relief {
   Surface surface_at(double k) const;
   /// The same relief where row 0 is the top at `middle` and its neighbours are 1 and -1.
   Relief in_own_rows() const;
+  /// The same relief where every row has a number so much larger.
+  Relief renumbered(double more) const;
 };
 
 /// The relief that explains a picture.

@@ -90,11 +90,52 @@ TEST(Relief, StripesOnFlatGroundStayRows) {
   EXPECT_FALSE(found->elsewhere);
 }
 
+/// Rows on flat ground, straight, with a stripe of another look midway in every alley, or in every second
+/// one.
+GreenMap flat_rows(const PlanarField& field, int every) {
+  GreenMap map;
+  map.width = kWidth, map.height = kHeight;
+  const auto pixels = static_cast<std::size_t>(kWidth * kHeight);
+  map.value.resize(pixels), map.light.resize(pixels), map.chroma.resize(pixels);
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const auto i = static_cast<std::size_t>(v * kWidth + u);
+      const double k = field.scale(v) > 0.02 ? field.k_at(u, v) : 0.5;
+      const bool row = std::abs(k - std::round(k)) < 0.2;
+      const bool stripe =
+          std::abs(k - std::floor(k) - 0.5) < 0.18 && static_cast<int>(std::floor(k)) % every == 0;
+      const auto look = [&](int light, int red, int green) {
+        map.light[i] = static_cast<std::uint16_t>(light);
+        map.chroma[i] = static_cast<std::uint16_t>(red * kChromaLevels + green);
+      };
+      row ? look(220, 15, 35) : stripe ? look(280, 24, 22) : look(365, 26, 21);
+    }
+  }
+  return map;
+}
+
+// Seen from the middle of an alley, tops midway between the rows explained such pictures better than tops at
+// the rows, and rows of low crops moved there.
+TEST(Relief, RowsOnFlatGroundStayWhateverLiesInTheirAlleys) {
+  for (const double aside : {-0.9, 0.3, 1.0}) {
+    const PlanarField rows = field_at(kOverTops, aside);
+    for (const int every : {1, 2})
+      EXPECT_FALSE(find_relief(flat_rows(rows, every), rows)->elsewhere) << aside << ' ' << every;
+  }
+}
+
 TEST(Relief, NothingIsFoundWithoutColourOrPicture) {
   EXPECT_FALSE(find_relief(GreenMap{}, field_at(kOverTops, kAside)));
   PlanarField parallel = field_at(kOverTops, kAside);
   parallel.convergence = 0.0;
   EXPECT_FALSE(find_relief(green_map(vineyard(kRowHeight), kMostPixels), parallel));
+}
+
+TEST(Relief, RenumberedRowsShowTheSameSurfaces) {
+  const Relief relief{0.1, 1.2, 0.25, -0.4, 0.6};
+  const Relief renumbered = relief.renumbered(2.0);
+  for (double k = -4.0; k < 4.0; k += 0.07)
+    EXPECT_EQ(renumbered.surface_at(k + 2.0), relief.surface_at(k)) << k;
 }
 
 TEST(Relief, SurfacesFromTopToGroundOutwards) {
