@@ -90,7 +90,9 @@ struct Histogram {
 /// Bins by Freedman and Diaconis (1981): 2 IQR / n^(1/3), between 5 and 40 of them over the whole range.
 Histogram histogram(const std::vector<double>& errors) {
   const auto [least, most] = std::minmax_element(errors.begin(), errors.end());
-  const double span = std::max(*most - *least, 1e-9);
+  // Errors that are all one, to a share of themselves or in metres, fill one bin.
+  constexpr double kOne = 1e-9;
+  const double span = std::max({*most - *least, kOne, kOne * std::abs(*least), kOne * std::abs(*most)});
   const double iqr = stats::quantile(errors, 0.75) - stats::quantile(errors, 0.25);
   const double ideal = 2.0 * iqr / std::cbrt(static_cast<double>(errors.size()));
   const double wanted = ideal > 0.0 ? std::clamp(span / ideal, 5.0, 40.0) : 5.0;
@@ -99,7 +101,9 @@ Histogram histogram(const std::vector<double>& errors) {
   Histogram made;
   made.width = ticks.values.size() > 1 ? ticks.values[1] - ticks.values[0] : span;
   made.low = std::floor(*least / made.width) * made.width;
-  made.counts.resize(static_cast<std::size_t>(std::floor((*most - made.low) / made.width)) + 1, 0);
+  // The first border may lie over the least error by a rounding.
+  const double further = std::max(0.0, std::floor((*most - made.low) / made.width));
+  made.counts.resize(static_cast<std::size_t>(further) + 1, 0);
   for (const double error : errors) {
     const auto bin = static_cast<std::size_t>(std::max(0.0, (error - made.low) / made.width));
     ++made.counts[std::min(bin, made.counts.size() - 1)];

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "figures/font.h"
 #include "furrow/base/text.h"
@@ -55,7 +56,8 @@ void draw_y_axis(Drawing& drawing, const Frame& frame, double outer_left, bool g
   const double left = frame.top_left.x();
   for (const double value : frame.y.ticks.values) {
     const double y = frame.map(frame.x.low, value).y();
-    if (grid) drawing.items.push_back(Stroke{{{left, y}, {frame.bottom_right.x(), y}}, kGridGrey, kGridPenPt, {}});
+    if (grid)
+      drawing.items.push_back(Stroke{{{left, y}, {frame.bottom_right.x(), y}}, kGridGrey, kGridPenPt, {}});
     drawing.items.push_back(Stroke{{{left - kTickLengthPt, y}, {left, y}}, kInk, kAxisPenPt, {}});
     drawing.items.push_back(Text{{left - kTickLengthPt - kTextGapPt, y + kCapHeight / 2 * kTickTextPt},
                                  tick_text(value, frame.y.ticks.decimals),
@@ -183,8 +185,11 @@ void draw_key(Drawing& drawing, const LegendEntry& entry, const Point& left_midd
 }  // namespace
 
 Ticks nice_ticks(double low, double high, int wanted) {
-  if (!(high > low) || !finite(low) || !finite(high)) return {{low}, 0};
-  const double rough = (high - low) / std::max(wanted, 1);
+  // Among numbers so large that steps of their span are lost in rounding, no tick is next to another.
+  constexpr double kLeastShare = 1e-12;
+  const double span = high - low;
+  if (!finite(span) || !(span > kLeastShare * std::max(std::abs(low), std::abs(high)))) return {{low}, 0};
+  const double rough = span / std::max(wanted, 1);
   const double power = std::pow(10.0, std::floor(std::log10(rough)));
   const double part = rough / power;
   // Borders half-way (geometrically) between the steps.
@@ -196,8 +201,9 @@ Ticks nice_ticks(double low, double high, int wanted) {
   ticks.decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9);
   // Whole multiples of the step, so that no rounding adds up; the slack keeps ticks at the very ends.
   const double slack = 1e-9;
-  const double first = std::ceil(low / step - slack), last = std::floor(high / step + slack);
-  for (double i = first; i <= last; ++i) ticks.values.push_back(i * step);
+  const auto first = static_cast<std::int64_t>(std::ceil(low / step - slack));
+  const auto last = static_cast<std::int64_t>(std::floor(high / step + slack));
+  for (std::int64_t i = first; i <= last; ++i) ticks.values.push_back(static_cast<double>(i) * step);
   // One tick shows no scale: a span that holds only one multiple needs the next finer step.
   if (ticks.values.size() < 2) return nice_ticks(low, high, 2 * std::max(wanted, 1));
   return ticks;

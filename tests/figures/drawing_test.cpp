@@ -52,6 +52,14 @@ TEST(Ticks, AreRoundInsideAndAsManyAsWanted) {
   EXPECT_EQ(nice_ticks(kNaN, 3.0, 5).values.size(), 1u);
 }
 
+// Counting by steps that rounding swallows never ended; a span beyond all numbers has none.
+TEST(Ticks, EndOverNumbersThatNothingHas) {
+  EXPECT_EQ(nice_ticks(1e17, 1e17 + 16.0, 5).values.size(), 1u);
+  EXPECT_EQ(nice_ticks(-1e308, 1e308, 5).values.size(), 1u);
+  EXPECT_EQ(nice_ticks(-1e17, 1e17, 4).values.size(), 5u);
+  EXPECT_GE(nice_ticks(1e9, 1e9 + 0.01, 5).values.size(), 2u);
+}
+
 TEST(Ticks, ShotAxisHasWholeNumbers) {
   for (const std::size_t count : {0u, 1u, 2u, 3u, 7u, 48u, 3000u}) {
     for (const double value : counting_axis("shot number", count, 400.0).ticks.values) {

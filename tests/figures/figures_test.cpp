@@ -62,8 +62,8 @@ std::vector<DeviationByHand> flights_by_hand() {
   return {low, high};
 }
 
-/// The views of the sample calibration that the figures of corners show: a used one with a corner left out, part of
-/// its board seen, and one without a board.
+/// The views of the sample calibration that the figures of corners show: a used one with a corner left out,
+/// part of its board seen, and one without a board.
 struct CornerSample {
   Image picture = samples::field(320, 180, 20.0).picture;
   calib::Calibration calibration = samples::calibration();
@@ -78,7 +78,14 @@ struct CornerSample {
     telling.residual_px = 0.35;
     telling.spacing_px = 60.0;
     telling.views.resize(2);
-    telling.views[0] = {2, "lowest RMS", 0, 0, 1280, 720, {{300.0, 200.0}, {340.0, 205.0}, {380.0, 210.0}}, {{300.0, 200.0}, {300.0, 240.0}}};
+    telling.views[0] = {2,
+                        "lowest RMS",
+                        0,
+                        0,
+                        1280,
+                        720,
+                        {{300.0, 200.0}, {340.0, 205.0}, {380.0, 210.0}},
+                        {{300.0, 200.0}, {300.0, 240.0}}};
     telling.views[1] = {4, "not used", 0, 0, 1280, 720, {}, {}};
   }
 };
@@ -225,8 +232,9 @@ TEST(Figures, CornersTableHoldsTheViewsResidualsAndSaysWhatWasLeftOut) {
   const Figure figure = corners_overlay(sample.picture, sample.calibration, sample.telling, 0).value();
   const calib::View& view = sample.calibration.views[2];
   const auto& table = figure.data;
-  const auto id = table.column("corner_id"), u = table.column("u_px"), projected_u = table.column("projected_u_px"),
-             dv = table.column("residual_v_px"), left_out = table.column("left_out");
+  const auto id = table.column("corner_id"), u = table.column("u_px"),
+             projected_u = table.column("projected_u_px"), dv = table.column("residual_v_px"),
+             left_out = table.column("left_out");
   ASSERT_TRUE(id && u && projected_u && dv && left_out);
   ASSERT_EQ(table.rows.size(), view.observed_px.size());
   for (std::size_t c = 0; c < table.rows.size(); ++c) {
@@ -235,7 +243,8 @@ TEST(Figures, CornersTableHoldsTheViewsResidualsAndSaysWhatWasLeftOut) {
     EXPECT_NEAR(std::stod(table.rows[c][*dv]), view.residual_px[c].y(), 6e-5);
     EXPECT_EQ(table.rows[c][*left_out], c == 4 ? "yes" : "no");
     if (c == 6) continue;
-    EXPECT_NEAR(std::stod(table.rows[c][*projected_u]), view.observed_px[c].x() - view.residual_px[c].x(), 6e-5);
+    EXPECT_NEAR(std::stod(table.rows[c][*projected_u]), view.observed_px[c].x() - view.residual_px[c].x(),
+                6e-5);
   }
   EXPECT_EQ(table.rows[6][*projected_u], "");
   EXPECT_TRUE(holds(figure.caption, "View 3, boards/left3.jpg: lowest RMS"));
@@ -304,6 +313,16 @@ TEST(Figures, AnyFlightCanBeDrawn) {
   keep(heights_over_shots({}, 1.7).value(), "_empty");
   keep(heights_over_shots(samples::flight(3000), 1.7).value(), "_3000");
   keep(heights_over_shots(samples::flight(2), 1.7).value(), "_2");
+}
+
+// Far from 0 the first border of the bins lay over the only error by a rounding, and less than no bin was
+// asked for.
+TEST(Figures, ErrorsThatAreAllOneFillOneBin) {
+  for (const double error : {0.3, 1.2, 1.7e15, 1.3e17}) {
+    const Comparison equal{"equal", "height", "m", "refined", "log", {"a", "b"}, {error, error}, {0.0, 0.0}};
+    const auto drawn = error_histogram(equal, {kOneColumnMm, 72.0});
+    EXPECT_TRUE(drawn.ok()) << error << ": " << drawn.error().message();
+  }
 }
 
 TEST(Figures, AnyCalibrationCanBeDrawnOrSaysWhyNot) {
