@@ -110,15 +110,16 @@ Result<altitude::RefinedFlight> refine_flight(const std::vector<ShotResult>& res
   return flight;
 }
 
-/// What the pictures alone say of each shot: within the flight where it carries the shot.
+/// What the pictures alone say of each shot: within the flight where it carries the shot, nothing where its
+/// other shots deny it.
 std::vector<VisionHeight> vision_heights(const std::vector<ShotResult>& results, const Project& project,
                                          const JobOptions& job) {
   const auto flight = refine_flight(results, project, LogSteps::left_out, job);
   std::vector<VisionHeight> heights;
   for (std::size_t i = 0; i < results.size(); ++i) {
-    heights.push_back(results[i].vision);
-    if (flight.ok() && flight->shots[i].usable)
-      heights.back() = vision_in_flight(flight->shots[i]);
+    const bool denied = flight.ok() && flight->denies(i);
+    heights.push_back(denied ? VisionHeight{} : results[i].vision);
+    if (flight.ok() && flight->shots[i].usable) heights.back() = vision_in_flight(flight->shots[i]);
   }
   return heights;
 }
