@@ -172,46 +172,83 @@ double flat_score(const Profile& profile) {
   return std::max(repeating(1.0), repeating(2.0));
 }
 
-/// The relief of the best score among those that have the tops near the field's rows, and among all.
+constexpr std::array kHalfWidths = {0.13, 0.18, 0.26};  // of tops, in spacings
+constexpr double kLeastPeriods = 4.0;                   // in view: to fewer, some relief fits by chance
+
+/// A relief with its log likelihood.
+struct Scored {
+  Relief relief;
+  double score = -1.0;
+
+  void take_better(const Relief& other, double other_score) {
+    if (other_score > score) relief = other, score = other_score;
+  }
+};
+
+double score_of(const Profile& profile, const Relief& relief) {
+  const Surfaces surfaces(relief);
+  return score_of(profile, [&](double k) { return surfaces.at(k).part; });
+}
+
+/// The best reliefs with tops at the field's rows, and of all.
 struct Search {
-  Relief same, any;
-  double score_same = -1.0, score_any = -1.0;
+  Scored same, any;
 };
 
 /// Over all spacings, phases, widths and heights.
 Search search(const Profile& profile, double camera) {
   constexpr double kFrom = 0.45, kRatio = 1.07;
-  constexpr int kSpacings = 26, kPhases = 14;             // up to 2.44
-  constexpr std::array kHalfWidths = {0.13, 0.18, 0.26};  // of the spacing
+  constexpr int kSpacings = 26;  // to 2.44
+  constexpr int kPhases = 14;
   constexpr std::array kFeet = {0.45, 0.65, 0.85};
   // Tops lie farther apart than rows that were found on what is seen of the ground between, too.
-  constexpr double kLeastSame = 0.75, kMostSame = 1.9, kSamePhase = 0.25;
-  constexpr double kLeastPeriods = 4.0;  // in view: to fewer, some relief fits by chance
+  constexpr double kLeastSame = 0.75, kMostSame = 1.9, kSameMiddle = 0.2;
   Search found;
   Relief relief;
   relief.camera = camera;
-  double spacing = kFrom;
-  for (int step = 0; step < kSpacings; ++step, spacing *= kRatio) {
-    relief.spacing = spacing;
-    const bool is_seen = profile.extent() > kLeastPeriods * spacing;
+  relief.spacing = kFrom;
+  for (int step = 0; step < kSpacings; ++step, relief.spacing *= kRatio) {
+    const bool is_seen = profile.extent() > kLeastPeriods * relief.spacing;
     for (int phase = 0; phase < kPhases; ++phase) {
-      const double periods = static_cast<double>(phase) / kPhases - 0.5;
-      relief.middle = periods * spacing;
-      const bool same = std::abs(periods) < kSamePhase && spacing > kLeastSame && spacing < kMostSame;
+      relief.middle = (static_cast<double>(phase) / kPhases - 0.5) * relief.spacing;
+      const bool same =
+          std::abs(relief.middle) < kSameMiddle && relief.spacing > kLeastSame && relief.spacing < kMostSame;
       if (!is_seen && !same) continue;
       for (const double half_width : kHalfWidths) {
-        relief.half_width = half_width * spacing;
+        relief.half_width = half_width * relief.spacing;
         for (const double foot : kFeet) {
           relief.foot = foot;
-          const Surfaces surfaces(relief);
-          const double score = score_of(profile, [&](double k) { return surfaces.at(k).part; });
-          if (score > found.score_any) found.score_any = score, found.any = relief;
-          if (same && score > found.score_same) found.score_same = score, found.same = relief;
+          const double score = score_of(profile, relief);
+          found.any.take_better(relief, score);
+          if (same) found.same.take_better(relief, score);
         }
       }
     }
   }
   return found;
+}
+
+/// The best of those whose field is strips on the ground, midway between the crop's rows.
+Scored between_strips(const Profile& profile, double camera) {
+  constexpr double kLowestFoot = 0.40, kStep = 0.02;
+  constexpr int kFeet = 27;  // to 0.92
+  Scored best;
+  for (int step = 0; step < kFeet; ++step) {
+    Relief relief;
+    relief.camera = camera;
+    relief.foot = kLowestFoot + step * kStep;
+    relief.spacing = 1.0 / relief.foot;
+    if (!(profile.extent() > kLeastPeriods * relief.spacing)) continue;
+    for (const double side : {-0.5, 0.5}) {
+      const double top = camera + (side - camera) / relief.foot;
+      relief.middle = std::remainder(top, relief.spacing);
+      for (const double half_width : kHalfWidths) {
+        relief.half_width = half_width * relief.spacing;
+        best.take_better(relief, score_of(profile, relief));
+      }
+    }
+  }
+  return best;
 }
 
 }  // namespace
@@ -229,15 +266,21 @@ Relief Relief::renumbered(double more) const {
 }
 
 std::optional<FoundRelief> find_relief(const GreenMap& level, const PlanarField& field) {
-  constexpr double kLeastGain = 6.0;  // of log likelihood: four hundred to one
+  // Of log likelihood over the field's own rows: twenty to one for strips that alternate with the crop's rows
+  // as they are sown, four hundred to one for any other place.
+  constexpr double kStripsGain = 3.0, kLeastGain = 6.0;
   const auto point = field.vanishing_point();
   if (level.light.empty() || !point) return std::nullopt;
   const Profile profile = profile_of(level, field);
   if (profile.k.empty()) return std::nullopt;
   // Straight below the vanishing point lies what is below the camera.
-  const Search found = search(profile, field.k_at(point->x(), point->y() + field.length));
-  const bool elsewhere = found.score_any > std::max(found.score_same, flat_score(profile)) + kLeastGain;
-  return FoundRelief{elsewhere ? found.any : found.same, elsewhere};
+  const double camera = field.k_at(point->x(), point->y() + field.length);
+  const auto [same, any] = search(profile, camera);
+  const Scored strips = between_strips(profile, camera);
+  const double here = std::max(same.score, flat_score(profile));
+  if (std::max(strips.score - kStripsGain, any.score - kLeastGain) <= here)
+    return FoundRelief{same.relief, false};
+  return FoundRelief{strips.score - kStripsGain > any.score - kLeastGain ? strips.relief : any.relief, true};
 }
 
 }  // namespace furrow::rows

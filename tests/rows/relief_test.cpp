@@ -69,10 +69,11 @@ TEST(Relief, TopsAreFoundWhereTheFieldHasTheGrass) {
   const Relief& relief = found->relief;
   // In the ground's spacings: what is as high as the tops looks farther aside.
   const double stretch = (kOverTops + kRowHeight) / kOverTops;
-  EXPECT_NEAR(relief.spacing, stretch, 0.08 * stretch);
+  EXPECT_NEAR(relief.spacing, stretch, 0.03 * stretch);
+  EXPECT_NEAR(relief.foot, 1.0 / stretch, 0.02);
   const double camera = -(kAside - 0.5 * kSpacing) / kSpacing, axis = camera + kAside / kSpacing * stretch;
   EXPECT_NEAR(relief.camera, camera, 1e-6);
-  EXPECT_NEAR(std::remainder(relief.middle - axis, stretch), 0.0, 0.12 * stretch);
+  EXPECT_NEAR(std::remainder(relief.middle - axis, stretch), 0.0, 0.03 * stretch);
 }
 
 TEST(Relief, TopsOfTheFieldStay) {
