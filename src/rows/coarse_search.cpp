@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "furrow/base/whole.h"
+
 namespace furrow::rows {
 namespace {
 
@@ -41,9 +43,9 @@ Line rectified_line(const Strips& strips, std::size_t j, const PlanarField& fiel
   line.weight = static_cast<float>(scale);
   // Bin i covers u0 + scale (i - 1.5 kBins +- 0.5) bin_px.
   const double u_per_bin = scale * bin_px, u_of_zero = field.u0 - 1.5 * kBins * u_per_bin;
-  line.first = std::max(0, static_cast<int>(std::ceil(-u_of_zero / u_per_bin)));
-  line.last = std::min(static_cast<int>(3 * kBins) - 1,
-                       static_cast<int>(std::floor((strips.width - 1.0 - u_of_zero) / u_per_bin)));
+  constexpr int kAll = static_cast<int>(3 * kBins);
+  line.first = base::ceil_between(-u_of_zero / u_per_bin, 0, kAll);
+  line.last = base::floor_between((strips.width - 1.0 - u_of_zero) / u_per_bin, -1, kAll - 1);
   const float* running = strips.running(j);
   const float levels = kLevels * static_cast<float>(1.0 / bin_px), step = static_cast<float>(u_per_bin);
   const auto sum_at = [&](float x) {
