@@ -250,21 +250,29 @@ Folded fold(const Aligned& aligned, double bin_px, double spacing) {
   return best;
 }
 
+/// Spacings to try, px on the bottom row. Each moves the rows at the border by a quarter of a spacing against
+/// the one before, or those six rows from the middle where there are more.
+std::vector<double> spacings_to_try(double bin_px, int width) {
+  constexpr double kQuarter = 0.25, kLeastStep = 0.04;
+  const double half = 0.5 * static_cast<double>(kBins) * bin_px;
+  const double most = 0.75 * width;
+  std::vector<double> spacings;
+  double spacing = std::max(6.0, 2.5 * bin_px);
+  while (spacing <= most) {
+    spacings.push_back(spacing);
+    spacing *= 1.0 + std::max(kLeastStep, kQuarter * spacing / half);
+  }
+  return spacings;
+}
+
 /// The best few spacings for one shear.
 void fold_all(const Strips& strips, const Rectified& rectified, const Sheared& sheared,
               std::vector<Trial>& trials) {
   Aligned aligned;
   align(rectified, sheared.slope, aligned);
-  // Successive spacings: they move the rows at the border by a quarter of a spacing, or those six rows from
-  // the middle where there are more.
-  constexpr double kQuarter = 0.25, kLeastStep = 0.04;
-  const double half = 0.5 * static_cast<double>(kBins) * rectified.bin_px;
-  const double least = std::max(6.0, 2.5 * rectified.bin_px), most = 0.75 * strips.width;
+  const std::vector<double> spacings = spacings_to_try(rectified.bin_px, strips.width);
   std::vector<Folded> folded;
-  std::vector<double> spacings;
-  for (double spacing = least; spacing <= most;
-       spacing *= 1.0 + std::max(kLeastStep, kQuarter * spacing / half)) {
-    spacings.push_back(spacing);
+  for (const double spacing : spacings) {
     folded.push_back(fold(aligned, rectified.bin_px, spacing));
     const double weight = evidence_part(rectified.rows_times_spacing / spacing);
     folded.back().score *= weight * weight;  // a score of squares
