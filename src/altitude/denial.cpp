@@ -68,6 +68,7 @@ std::vector<std::optional<Error>> denied_shots(const std::vector<JudgedShot>& sh
                                                const FlightOptions& options) {
   std::vector<std::optional<Error>> errors(shots.size());
   std::vector<double> rms;
+  rms.reserve(shots.size());
   for (const JudgedShot& shot : shots) rms.push_back(shot.residual_rms);
   // Where all shots fit worse than they claim, the claim is wrong, not every shot.
   const double limit = options.misfit_over_others * std::max(1.0, stats::median(rms));

@@ -28,19 +28,10 @@ Status finite_or_unknown(const char* name, const Estimate& value) {
                "a finite value with a finite sigma, or NaN for not known", ""};
 }
 
-/// A value that was given must be finite, above 0, with a sigma that is not negative. NaN means "not known".
-Result<bool> given(const char* name, const Estimate& value) {
-  if (std::isnan(value.value)) return false;
-  const bool sound = std::isfinite(value.value) && std::isfinite(value.sigma) && value.sigma >= 0.0;
-  if (!sound) {
-    return Error{"not_finite", name,
-                 base::format_double(value.value) + " with sigma " + base::format_double(value.sigma),
-                 "a finite value with a finite sigma, or NaN for not known", ""};
-  }
-  if (!(value.value > 0.0)) {
-    return Error{"bad_field", name, base::format_double(value.value), "a length above 0", ""};
-  }
-  return true;
+Status above_zero_or_unknown(const char* name, const Estimate& value) {
+  FURROW_DO(finite_or_unknown(name, value));
+  if (!(value.value <= 0.0)) return Done{};
+  return Error{"bad_field", name, base::format_double(value.value), "a length above 0", ""};
 }
 
 /// Logarithm of a length over the half width, or what stands in where it is not known.
@@ -95,21 +86,27 @@ Status rows_apart(const FieldKnowledge& field) {
                "at most half of that", "It is half the width of one row's canopy."};
 }
 
-Result<Farm> complete_farm(const FieldKnowledge& field) {
-  FURROW_TRY(const bool spacing, given("row_spacing_m", field.row_spacing_m));
-  FURROW_TRY(const bool width, given("half_width_m", field.half_width_m));
-  FURROW_TRY(const bool height, given("row_height_m", field.row_height_m));
-  FURROW_TRY(const bool depth, given("foliage_depth_m", field.foliage_depth_m));
-  FURROW_TRY(const bool ratio, given("base_width_ratio", field.base_width_ratio));
+Status sound_field(const FieldKnowledge& field) {
+  FURROW_DO(above_zero_or_unknown("row_spacing_m", field.row_spacing_m));
+  FURROW_DO(above_zero_or_unknown("half_width_m", field.half_width_m));
+  FURROW_DO(above_zero_or_unknown("row_height_m", field.row_height_m));
+  FURROW_DO(above_zero_or_unknown("foliage_depth_m", field.foliage_depth_m));
+  FURROW_DO(above_zero_or_unknown("base_width_ratio", field.base_width_ratio));
   FURROW_DO(finite_or_unknown("outline_rise_m", field.outline_rise_m));
   FURROW_DO(finite_or_unknown("rounding_m", field.rounding_m));
   FURROW_DO(finite_or_unknown("softness_m", field.softness_m));
-  if (!spacing) {
+  return rows_apart(field);
+}
+
+Result<Farm> complete_farm(const FieldKnowledge& field) {
+  FURROW_DO(sound_field(field));
+  if (!field.row_spacing_m.usable()) {
     return Error{"no_spacing", "row_spacing_m", "no row spacing",
                  "the distance between row centres in metres",
                  "from_spacing still gives height over spacing"};
   }
-  FURROW_DO(rows_apart(field));
+  const bool width = field.half_width_m.usable(), height = field.row_height_m.usable(),
+             depth = field.foliage_depth_m.usable(), ratio = field.base_width_ratio.usable();
   const double s = field.row_spacing_m.value;
   Farm farm;
   farm.half_width_given = width;

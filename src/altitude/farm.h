@@ -17,8 +17,11 @@ struct Farm {
        rounding_given = false, softness_given = false;
 };
 
-/// Errors: no_spacing, not_finite, bad_field (not above 0, or rows that overlap), each naming the
-/// quantity.
+/// Errors: not_finite, bad_field (not above 0, or rows that overlap), each naming the quantity. Nothing need
+/// be known.
+Status sound_field(const FieldKnowledge& field);
+
+/// Errors: as sound_field, no_spacing.
 Result<Farm> complete_farm(const FieldKnowledge& field);
 
 /// What the pictures tell of a canopy's outline.

@@ -84,9 +84,9 @@ RowsOnUnitPlane draw(const ShotVector& x, const Camera& camera, const PlanOption
     const VisibleRow<double> row = visible_row(x.data(), x.data() + kPoseSize, trace.row);
     const double width_per_drop = (row.left.slope - row.right.slope) * camera.fx;
     trace.state = random.normal();
-    for (double v = 0.0; v < camera.height; v += kCutPx) {
+    for (int i = 0; i * kCutPx < camera.height; ++i) {
       trace.state = options.edge_correlation * trace.state + fresh * random.normal();
-      const auto p = cut(trace, axes, camera, v);
+      const auto p = cut(trace, axes, camera, i * kCutPx);
       if (!p) continue;
       const double drop = -(axes.q.x * p->x() + axes.q.y * p->y() + axes.q.z);
       if (width_per_drop * drop < options.narrowest_px) continue;

@@ -38,8 +38,6 @@ Result<RowOffset> offset_from_rows(const rows::RowLines& lines, const Camera& ca
   if (field.row_spacing_m.usable()) {
     const auto refined = refine_shot(seen, camera, field, prior);
     if (refined.ok()) return of(*refined, height_above_canopy_m);
-    // The closed form would take numbers that no farm can have.
-    if (refined.error().code == "bad_field") return refined.error();
   }
   FURROW_TRY(const RowsOnUnitPlane directions, rows_on_unit_plane(seen, camera));
   FURROW_TRY(const SpacingHeight closed, from_any_scale(directions, field, prior, height_above_canopy_m));

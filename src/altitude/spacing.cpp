@@ -116,6 +116,7 @@ SpacingHeight in_metres(const Pencil& pencil, const FieldKnowledge& field, const
 
 Result<SpacingHeight> from_spacing(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
                                    const AttitudePrior& prior) {
+  FURROW_DO(sound_field(field));
   FURROW_TRY(const GimbalPrior gimbal, gimbal_prior(prior));
   FURROW_TRY(const Pencil pencil, fit_pencil(rows, field, gimbal));
   FieldKnowledge known = field;
@@ -125,6 +126,7 @@ Result<SpacingHeight> from_spacing(const RowsOnUnitPlane& rows, const FieldKnowl
 
 Result<SpacingHeight> from_any_scale(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
                                      const AttitudePrior& prior, const Estimate& height_above_canopy_m) {
+  FURROW_DO(sound_field(field));
   FURROW_TRY(const GimbalPrior gimbal, gimbal_prior(prior));
   FURROW_TRY(const Pencil pencil, fit_pencil(rows, field, gimbal, 1));
   return in_metres(pencil, field, height_above_canopy_m);

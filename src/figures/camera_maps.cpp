@@ -65,6 +65,9 @@ Result<Figure> coverage_map(const calib::Calibration& calibration, const FigureO
   const std::string name = "coverage_map";
   constexpr int kColumns = 6, kRows = 4;  // the cells that the verdict counts
   const std::vector<int> counts = calib::coverage(calibration, kColumns, kRows);
+  const auto count_at = [&](int i, int j) {
+    return counts[static_cast<std::size_t>(j) * kColumns + static_cast<std::size_t>(i)];
+  };
   const int corners = std::accumulate(counts.begin(), counts.end(), 0);
   if (corners == 0) return nothing_to_draw(name, "a calibration without a used view", "at least one");
   FURROW_TRY(Drawing drawing, paper(options, 1.0));
@@ -79,7 +82,7 @@ Result<Figure> coverage_map(const calib::Calibration& calibration, const FigureO
   table.columns = {"column", "row", "corners"};
   for (int j = 0; j < kRows; ++j) {
     for (int i = 0; i < kColumns; ++i) {
-      const int count = counts[static_cast<std::size_t>(j * kColumns + i)];
+      const int count = count_at(i, j);
       const auto [low, high] = cell_on_paper(frame, i, j, kColumns, kRows);
       if (count == 0) add_rectangle(drawing, low, high, with_alpha(kOrange, 120));
       add_frame(drawing, low, high, kGridGrey, 0.6);
@@ -94,8 +97,7 @@ Result<Figure> coverage_map(const calib::Calibration& calibration, const FigureO
   for (int j = 0; j < kRows; ++j) {
     for (int i = 0; i < kColumns; ++i) {
       const auto [low, high] = cell_on_paper(frame, i, j, kColumns, kRows);
-      add_label(drawing, low + Point(16.0, 8.0),
-                std::to_string(counts[static_cast<std::size_t>(j * kColumns + i)]), 6.5, kInk,
+      add_label(drawing, low + Point(16.0, 8.0), std::to_string(count_at(i, j)), 6.5, kInk,
                 with_alpha(kWhite, 200));
     }
   }

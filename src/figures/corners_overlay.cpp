@@ -74,6 +74,7 @@ bool inside(const Frame& frame, const Point& at) {
 void draw_board_axis(Drawing& drawing, const Frame& frame, const std::vector<Eigen::Vector2d>& axis_px,
                      const std::vector<Eigen::Vector2d>& other_px, const std::string& name) {
   std::vector<Point> points;
+  points.reserve(axis_px.size());
   for (const Eigen::Vector2d& px : axis_px) points.push_back(frame.map(px.x(), px.y()));
   draw_rimmed(drawing, frame, points, kBoardAxes, 1.5);
   if (points.size() < 2 || other_px.size() < 2) return;

@@ -41,29 +41,39 @@ std::vector<Point> regular_polygon(const Point& centre, double radius, int corne
 }  // namespace
 
 std::vector<std::vector<Point>> dashes(const Stroke& stroke) {
-  double period = 0.0;
-  for (const double length : stroke.dash) period += length;
-  if (stroke.dash.empty() || !(period > 0.0) || stroke.points.size() < 2) return {stroke.points};
+  // More dashes than any paper shows; and so few that each of them moves along the line.
+  constexpr double kMostPeriods = 1e5;
+  double period = 0.0, length = 0.0;
+  for (const double part : stroke.dash) period += part;
+  for (std::size_t i = 1; i < stroke.points.size(); ++i)
+    length += (stroke.points[i] - stroke.points[i - 1]).norm();
+  const bool negative =
+      std::any_of(stroke.dash.begin(), stroke.dash.end(), [](double part) { return part < 0.0; });
+  if (negative || stroke.points.size() < 2 || !(period > 0.0) || !(length / period <= kMostPeriods))
+    return {stroke.points};
 
   std::vector<std::vector<Point>> ink;
   std::size_t part = 0;
   double left = stroke.dash[0];
   std::vector<Point> current{stroke.points.front()};
   for (std::size_t i = 1; i < stroke.points.size(); ++i) {
-    Point from = stroke.points[i - 1];
-    const Point to = stroke.points[i];
-    for (double rest = (to - from).norm(); rest > left; rest = (to - from).norm()) {
-      from += (to - from) * (left / rest);
+    const Point& from = stroke.points[i - 1];
+    const Point step = stroke.points[i] - from;
+    const double whole = step.norm();
+    double along = 0.0;
+    while (along + left < whole) {
+      along += left;
+      const Point at = from + step * (along / whole);
       if (part % 2 == 0) {
-        current.push_back(from);
+        current.push_back(at);
         ink.push_back(std::move(current));
       }
-      current = {from};
+      current = {at};
       part = (part + 1) % stroke.dash.size();
       left = stroke.dash[part];
     }
-    left -= (to - from).norm();
-    current.push_back(to);
+    left = std::max(0.0, left - (whole - along));
+    current.push_back(stroke.points[i]);
   }
   if (part % 2 == 0 && current.size() > 1) ink.push_back(std::move(current));
   return ink;

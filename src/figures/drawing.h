@@ -86,7 +86,9 @@ struct Drawing {
   std::vector<Picture> pictures;
 };
 
-/// The ink of a dashed line, one polyline per dash. A solid stroke gives its own points.
+/// The ink of a dashed line, one polyline per dash. A solid stroke gives its own points, and so does one
+/// whose dashes cannot be told: of no or of negative length, or on a line that is no number long or has more
+/// of them than any paper shows.
 std::vector<std::vector<Point>> dashes(const Stroke& stroke);
 
 /// The part of a polyline inside [low, high], cut at the border (Liang and Barsky 1984).

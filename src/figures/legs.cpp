@@ -119,6 +119,7 @@ Result<Figure> heights_by_leg(const std::vector<ShotRecord>& records, double row
   const std::vector<HeightLeg> all = audit::height_legs(records), shown = longest(all, kMostPanels);
   if (shown.empty()) return nothing_to_draw(name, "no shot with a log height", "at least one");
   std::vector<Panel> panels;
+  panels.reserve(shown.size());
   for (const HeightLeg& leg : shown) panels.push_back(panel_of(records, leg, row_height_m));
 
   // This order of max and min makes 1 of a width that is no number; paper() refuses it.

@@ -6,6 +6,7 @@
 #include "figures/font.h"
 #include "figures/plot.h"
 #include "furrow/base/text.h"
+#include "furrow/base/whole.h"
 #include "furrow/figures/figures.h"
 #include "furrow/figures/pictures.h"
 
@@ -175,8 +176,9 @@ void draw_fitted(Drawing& drawing, const Place& place, const Frame& frame, doubl
 /// Every row of the fitted field that the view holds, row 0 on top.
 void draw_field(Drawing& drawing, const Place& place, const Frame& frame, const altitude::BirdsEye& view) {
   const double left = frame.x.low, right = frame.x.high;  // the axis is flipped: left is the higher value
-  const int first = static_cast<int>(std::ceil((-view.cross_track_m - left) / view.spacing_m));
-  const int last = static_cast<int>(std::floor((-view.cross_track_m - right) / view.spacing_m));
+  constexpr int kFarthest = 10000;                        // row numbers: more than paper has room for
+  const int first = base::ceil_between((-view.cross_track_m - left) / view.spacing_m, -kFarthest, kFarthest);
+  const int last = base::floor_between((-view.cross_track_m - right) / view.spacing_m, -kFarthest, kFarthest);
   for (int k = first; k <= last; ++k) {
     const double axis = -view.cross_track_m - k * view.spacing_m;
     for (const double side : {-1.0, 1.0}) {

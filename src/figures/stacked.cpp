@@ -132,6 +132,7 @@ std::vector<Bar> bars_at(const std::vector<double>& places, const std::vector<al
 
 base::CsvTable plan_data(const std::vector<altitude::PlannedShot>& plans) {
   std::vector<audit::ShotBudget> budgets;
+  budgets.reserve(plans.size());
   for (const altitude::PlannedShot& plan : plans)
     budgets.push_back(
         {cell(geom::rad_to_deg(plan.pose.pitch_rad), 1), plan.height_above_canopy_m, plan.height_budget});
@@ -185,6 +186,7 @@ Result<Figure> plan_over_pitch(const std::vector<altitude::PlannedShot>& plans,
   std::sort(ordered.begin(), ordered.end(),
             [](const auto& a, const auto& b) { return a.pose.pitch_rad < b.pose.pitch_rad; });
   std::vector<double> places;
+  places.reserve(ordered.size());
   for (const altitude::PlannedShot& plan : ordered) places.push_back(geom::rad_to_deg(plan.pose.pitch_rad));
   return draw_plans("plan_over_pitch", "the camera's pitch", "camera pitch / \u00b0", places, ordered,
                     options);
@@ -193,6 +195,7 @@ Result<Figure> plan_over_pitch(const std::vector<altitude::PlannedShot>& plans,
 Result<Figure> plan_over_height(const std::vector<altitude::PlannedShot>& plans,
                                 const FigureOptions& options) {
   std::vector<double> places;
+  places.reserve(plans.size());
   for (const altitude::PlannedShot& plan : plans) places.push_back(plan.pose.height_above_canopy_m);
   return draw_plans("plan_over_height", "the height above the canopy", "height above canopy / m", places,
                     plans, options);

@@ -171,6 +171,7 @@ Result<UndistortOutcome> undistort_pictures(const fs::path& camera, const std::v
   FURROW_TRY(const Camera lens, camera::read_camera(camera));
   FURROW_TRY(const auto images, image::picture_files(named));
   std::vector<std::string> names;
+  names.reserve(images.size());
   for (const fs::path& file : images) names.push_back(undistorted_name(file));
   names = base::names_apart(std::move(names), images);
   UndistortOutcome outcome;

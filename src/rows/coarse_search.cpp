@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "furrow/base/whole.h"
+
 namespace furrow::rows {
 namespace {
 
@@ -41,9 +43,9 @@ Line rectified_line(const Strips& strips, std::size_t j, const PlanarField& fiel
   line.weight = static_cast<float>(scale);
   // Bin i covers u0 + scale (i - 1.5 kBins +- 0.5) bin_px.
   const double u_per_bin = scale * bin_px, u_of_zero = field.u0 - 1.5 * kBins * u_per_bin;
-  line.first = std::max(0, static_cast<int>(std::ceil(-u_of_zero / u_per_bin)));
-  line.last = std::min(static_cast<int>(3 * kBins) - 1,
-                       static_cast<int>(std::floor((strips.width - 1.0 - u_of_zero) / u_per_bin)));
+  constexpr int kAll = static_cast<int>(3 * kBins);
+  line.first = base::ceil_between(-u_of_zero / u_per_bin, 0, kAll);
+  line.last = base::floor_between((strips.width - 1.0 - u_of_zero) / u_per_bin, -1, kAll - 1);
   const float* running = strips.running(j);
   const float levels = kLevels * static_cast<float>(1.0 / bin_px), step = static_cast<float>(u_per_bin);
   const auto sum_at = [&](float x) {
@@ -248,21 +250,29 @@ Folded fold(const Aligned& aligned, double bin_px, double spacing) {
   return best;
 }
 
+/// Spacings to try, px on the bottom row. Each moves the rows at the border by a quarter of a spacing against
+/// the one before, or those six rows from the middle where there are more.
+std::vector<double> spacings_to_try(double bin_px, int width) {
+  constexpr double kQuarter = 0.25, kLeastStep = 0.04;
+  const double half = 0.5 * static_cast<double>(kBins) * bin_px;
+  const double most = 0.75 * width;
+  std::vector<double> spacings;
+  double spacing = std::max(6.0, 2.5 * bin_px);
+  while (spacing <= most) {
+    spacings.push_back(spacing);
+    spacing *= 1.0 + std::max(kLeastStep, kQuarter * spacing / half);
+  }
+  return spacings;
+}
+
 /// The best few spacings for one shear.
 void fold_all(const Strips& strips, const Rectified& rectified, const Sheared& sheared,
               std::vector<Trial>& trials) {
   Aligned aligned;
   align(rectified, sheared.slope, aligned);
-  // Successive spacings: they move the rows at the border by a quarter of a spacing, or those six rows from
-  // the middle where there are more.
-  constexpr double kQuarter = 0.25, kLeastStep = 0.04;
-  const double half = 0.5 * static_cast<double>(kBins) * rectified.bin_px;
-  const double least = std::max(6.0, 2.5 * rectified.bin_px), most = 0.75 * strips.width;
+  const std::vector<double> spacings = spacings_to_try(rectified.bin_px, strips.width);
   std::vector<Folded> folded;
-  std::vector<double> spacings;
-  for (double spacing = least; spacing <= most;
-       spacing *= 1.0 + std::max(kLeastStep, kQuarter * spacing / half)) {
-    spacings.push_back(spacing);
+  for (const double spacing : spacings) {
     folded.push_back(fold(aligned, rectified.bin_px, spacing));
     const double weight = evidence_part(rectified.rows_times_spacing / spacing);
     folded.back().score *= weight * weight;  // a score of squares

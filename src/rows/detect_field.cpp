@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "furrow/base/text.h"
+#include "furrow/base/whole.h"
 #include "rows/edge_pencil.h"
 #include "rows/field_search.h"
 #include "rows/green_map.h"
@@ -45,12 +46,13 @@ RowLine row_of(const CommonModel& model, int k, int width, const std::vector<dou
 /// Every row that crosses the picture below the horizon, with its own centres and edges.
 std::vector<RowLine> shaped_rows(const SummedMap& map, const CommonModel& model, int width,
                                  const std::vector<double>& sample_v) {
+  const int farthest = 10 * width;  // row numbers: those of rows a tenth of a pixel apart
   int first = 0, last = -1;
   for (const double v : sample_v) {
     if (model.field().scale(v) < 0.1) continue;
     const Cut cut = model.at(v);
-    const int left = static_cast<int>(std::ceil(-cut.centre / cut.spacing));
-    const int right = static_cast<int>(std::floor((width - 1.0 - cut.centre) / cut.spacing));
+    const int left = base::ceil_between(-cut.centre / cut.spacing, -farthest, farthest);
+    const int right = base::floor_between((width - 1.0 - cut.centre) / cut.spacing, -farthest, farthest);
     first = last < first ? left : std::min(first, left);
     last = std::max(last, right);
   }

@@ -6,6 +6,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "furrow/base/whole.h"
+
 namespace furrow::rows {
 namespace {
 
@@ -80,8 +82,8 @@ Census take_census(const GreenMap& map, const std::vector<std::uint16_t>& looks,
     const Cut cut = model.at(v_px);
     const double per_u = map.scale_u / cut.spacing;  // row numbers per column of the map
     const double k0 = (map.u_in_picture(0.0) - cut.centre) / cut.spacing - followed;
-    const int first = std::max(0, static_cast<int>(std::ceil((-kReach - k0) / per_u)));
-    const int last = std::min(map.width - 1, static_cast<int>(std::floor((kReach - k0) / per_u)));
+    const int first = base::ceil_between((-kReach - k0) / per_u, 0, map.width);
+    const int last = base::floor_between((kReach - k0) / per_u, -1, map.width - 1);
     const std::uint16_t* look = looks.data() + static_cast<std::ptrdiff_t>(v) * map.width;
     for (int u = first; u <= last; ++u) {
       const double k = k0 + u * per_u;

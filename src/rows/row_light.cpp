@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "furrow/base/whole.h"
 #include "furrow/stats/robust.h"
 
 namespace furrow::rows {
@@ -182,8 +183,8 @@ float value_at(const LightDrop& drop, double place) {
 }
 
 std::optional<double> peak_near(const LightDrop& drop, float sign, double place, double reach) {
-  const int from = std::max(1, static_cast<int>(std::ceil(bin_at(place - reach))));
-  const int to = std::min(kLightBins - 2, static_cast<int>(std::floor(bin_at(place + reach))));
+  const int from = base::ceil_between(bin_at(place - reach), 1, kLightBins - 1);
+  const int to = base::floor_between(bin_at(place + reach), 0, kLightBins - 2);
   int best = -1;
   for (int i = from; i <= to; ++i) {
     if (sign * drop[static_cast<std::size_t>(i)] >

@@ -5,6 +5,8 @@
 #include <functional>
 #include <numeric>
 
+#include "furrow/base/whole.h"
+
 namespace furrow::rows {
 namespace {
 
@@ -68,10 +70,8 @@ Profile sample_profile(const SummedMap& summed, const std::vector<Cut>& cuts, in
                        double v_to) {
   const GreenMap& map = summed.map();
   ProfileSum sum;
-  const int first =
-      std::clamp(static_cast<int>(std::ceil((v_from + 0.5) / map.scale_v - 0.5)), 0, map.height - 1);
-  const int last =
-      std::clamp(static_cast<int>(std::floor((v_to + 0.5) / map.scale_v - 0.5)), first, map.height - 1);
+  const int first = base::ceil_between((v_from + 0.5) / map.scale_v - 0.5, 0, map.height - 1);
+  const int last = base::floor_between((v_to + 0.5) / map.scale_v - 0.5, first, map.height - 1);
   const int step = last - first >= 5 ? 2 : 1;  // neighbouring rows of a fine map tell the same
   for (int row = first; row <= last; row += step) {
     const Cut& cut = cuts[static_cast<std::size_t>(row)];

@@ -138,7 +138,7 @@ Light sample_light(const GreenMap& map, const Cut& cut, int k, const std::option
     const double u = (cut.centre + (k + x) * cut.spacing + 0.5) / map.scale_u - 0.5;
     if (u < 0.0 || u > map.width - 1.0) return std::nullopt;
     return static_cast<float>(map.light[static_cast<std::size_t>(row) * static_cast<std::size_t>(map.width) +
-                                        static_cast<std::size_t>(u + 0.5)]);
+                                        static_cast<std::size_t>(std::lround(u))]);
   };
   constexpr std::array kInside = {0.3, 0.5, 0.7};      // of the half width
   constexpr std::array kOutside = {0.04, 0.07, 0.10};  // spacings beyond the edge

@@ -255,6 +255,29 @@ void clear_impossible_positions(Track& track, const std::vector<int>& lines) {
                              ": taken as unknown");
 }
 
+bool clear_impossible_heights(Sample& sample) {
+  constexpr double kHighest_m = 20e3;  // above any zero; no rotor has flown as high
+  bool cleared = false;
+  for (const auto height : {&Sample::height_takeoff_m, &Sample::height_vps_m, &Sample::height_terrain_msl_m,
+                            &Sample::height_ellipsoid_m, &Sample::height_geoid_m}) {
+    if (!(std::abs(sample.*height) > kHighest_m)) continue;
+    sample.*height = kMissing;
+    cleared = true;
+  }
+  return cleared;
+}
+
+void clear_impossible_heights(Track& track, const std::vector<int>& lines) {
+  std::size_t count = 0;
+  int first_line = 0;
+  for (std::size_t i = 0; i < track.samples.size(); ++i) {
+    if (clear_impossible_heights(track.samples[i]) && count++ == 0) first_line = lines[i];
+  }
+  if (count > 0)
+    track.warnings.push_back("a height beyond 20 km in " + rows_text(count, first_line) +
+                             ": taken as unknown");
+}
+
 void clear_constant_gimbal(Track& track) {
   bool any = false;
   for (const Sample& s : track.samples) {
@@ -298,6 +321,7 @@ void finish(Track& track, const std::vector<int>& lines) {
 
 void finish_marked(Track& track, const std::vector<int>& lines) {
   clear_impossible_positions(track, lines);
+  clear_impossible_heights(track, lines);
   normalise(track);
   order_by_time(track, lines);
 }

@@ -83,8 +83,9 @@ std::optional<ClockFit> fit_coarse_clock(
     const std::vector<std::pair<base::Nanoseconds, base::Nanoseconds>>& fine_and_coarse,
     base::Nanoseconds resolution_ns);
 
-/// Keeps is_photo only where it rises; says so when a mark lasts longer than a second. Between two marked rows
-/// with a hole (rows missing for half a second and three usual steps) it is taken to have fallen and risen.
+/// Keeps is_photo only where it rises; says so when a mark lasts longer than a second. Between two marked
+/// rows with a hole (rows missing for half a second and three usual steps) it is taken to have fallen and
+/// risen.
 void keep_photo_edges(std::vector<Sample>& samples, const std::vector<int>& lines,
                       std::vector<std::string>& warnings);
 
@@ -95,6 +96,11 @@ void order_by_time(Track& track, const std::vector<int>& lines);
 /// (0, 0) and places off the Earth become "no fix".
 void clear_impossible_positions(Track& track, const std::vector<int>& lines);
 
+/// Heights beyond what can be flown become unknown: damaged numbers. True if there was one.
+bool clear_impossible_heights(Sample& sample);
+/// The same of a log's rows, with a warning.
+void clear_impossible_heights(Track& track, const std::vector<int>& lines);
+
 /// A gimbal pitch of 0 in every row means that nothing measured it. For flight records: they have the column
 /// whether there is a gimbal or not. Not for subtitles, which name the angles only when there are some.
 void clear_constant_gimbal(Track& track);
@@ -102,8 +108,8 @@ void clear_constant_gimbal(Track& track);
 /// Brings angles into their ranges (sample_fields.h) and drops infinities.
 void normalise(Track& track);
 
-/// Photo edges, positions, angles and order in time, as every reader needs them. `lines` holds the file's
-/// line of each sample.
+/// Photo edges, positions, heights, angles and order in time, as every reader needs them. `lines` holds the
+/// file's line of each sample.
 void finish(Track& track, const std::vector<int>& lines);
 /// The same for a log whose every row is a picture.
 void finish_marked(Track& track, const std::vector<int>& lines);

@@ -202,6 +202,7 @@ Result<Shot> read_shot(const std::filesystem::path& image) {
   read_position(exif, xmp, s);
   read_attitude(xmp, s, shot.warnings);
   read_heights(exif, xmp, s, shot.warnings);
+  if (reader::clear_impossible_heights(s)) shot.warnings.push_back("a height beyond 20 km: taken as unknown");
   if (s.latitude_deg == 0.0 && s.longitude_deg == 0.0) s.latitude_deg = s.longitude_deg = kMissing;
   reader::normalise(one);
   shot.metadata = s;

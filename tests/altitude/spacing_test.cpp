@@ -107,6 +107,34 @@ TEST(FromSpacing, AnswersTheRatioWithoutASpacing) {
   EXPECT_NEAR(result->height_over_spacing.value, 2.3 / 3.0, 0.02);
 }
 
+TEST(FromSpacing, NumbersThatNoFarmHasAreNamed) {
+  const World world = flat(oblique_world());
+  const RowsOnUnitPlane rows = seen(world);
+  const auto error_of = [&](const FieldKnowledge& field) {
+    const auto closed = from_spacing(rows, field, {});
+    const auto any = from_any_scale(rows, field, {}, {});
+    EXPECT_FALSE(closed.ok());
+    EXPECT_FALSE(any.ok());
+    if (closed.ok() || any.ok()) return std::string("none");
+    EXPECT_EQ(closed.error().message(), any.error().message());
+    return closed.error().code + " " + closed.error().where;
+  };
+  FieldKnowledge field = testing::knowledge_of(world, 0.0);
+  field.half_width_m.value = -0.6;
+  EXPECT_EQ(error_of(field), "bad_field half_width_m");
+  field.row_spacing_m = {};
+  EXPECT_EQ(error_of(field), "bad_field half_width_m") << "a spacing need not be known";
+  field = testing::knowledge_of(world, 0.0);
+  field.row_spacing_m.value = -3.0;
+  EXPECT_EQ(error_of(field), "bad_field row_spacing_m");
+  field = testing::knowledge_of(world, 0.0);
+  field.half_width_m.value = 2.0;
+  EXPECT_EQ(error_of(field), "bad_field half_width_m") << "rows would overlap";
+  field = testing::knowledge_of(world, 0.0);
+  field.row_spacing_m.sigma = std::nan("");
+  EXPECT_EQ(error_of(field), "not_finite row_spacing_m");
+}
+
 TEST(FromSpacing, TakesThePitchFromTheGimbalAtNadir) {
   World world = flat({});
   world.attitude = {deg_to_rad(2.0), deg_to_rad(-90.0), 0.0};

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 
 #include "figures/canvas.h"
 #include "figures/font.h"
@@ -138,6 +139,27 @@ TEST(Dashes, InkAndGapsHaveTheirLengths) {
   EXPECT_EQ(dashes({{{0, 0}, {1, 0}}, kInk, 1.0, {}}).size(), 1u);
   EXPECT_EQ(dashes({{{0, 0}, {1, 0}}, kInk, 1.0, {0.0, 0.0}}).size(), 1u)
       << "a pattern of no length must not hang";
+}
+
+TEST(Dashes, LinesWithoutEndAreNotDashed) {
+  const double infinite = std::numeric_limits<double>::infinity();
+  const Dash dash{4.0, 2.0};
+  EXPECT_EQ(dashes({{{0, 0}, {infinite, 0}}, kInk, 1.0, dash}).size(), 1u);
+  EXPECT_EQ(dashes({{{0, 0}, {std::nan(""), 0}}, kInk, 1.0, dash}).size(), 1u);
+  EXPECT_EQ(dashes({{{0, 0}, {1e15, 0}}, kInk, 1.0, dash}).size(), 1u);
+  EXPECT_EQ(dashes({{{1e17, 0}, {2e17, 0}}, kInk, 1.0, dash}).size(), 1u)
+      << "a dash there is shorter than the distance between two numbers";
+  EXPECT_EQ(dashes({{{0, 0}, {10, 0}}, kInk, 1.0, {1e-300, 1e-300}}).size(), 1u);
+  EXPECT_EQ(dashes({{{0, 0}, {10, 0}}, kInk, 1.0, {3.0, -2.0}}).size(), 1u);
+  EXPECT_EQ(dashes({{{1e17, 0}, {1e17, 6}, {1e17, 12}}, kInk, 1.0, dash}).size(), 2u);
+}
+
+TEST(Dashes, PointsThatRepeatAndGapsOfNoLengthEnd) {
+  const auto ink = dashes({{{0, 0}, {3, 0}, {3, 0}, {3, 0}, {7, 0}}, kInk, 1.0, {3.0, 0.0}});
+  ASSERT_EQ(ink.size(), 3u);
+  for (const auto& line : ink) {
+    for (const Point& at : line) EXPECT_TRUE(at.allFinite());
+  }
 }
 
 TEST(Clip, CutsAtTheBorder) {

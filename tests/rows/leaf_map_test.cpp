@@ -51,5 +51,15 @@ TEST(LeafMap, GreyMapAndClosedCanopyComeBackAsTheyAre) {
   EXPECT_EQ(leaf_map(grey, CommonModel(found, grey), 0.4).value, grey.value);
 }
 
+TEST(LeafMap, AModelOfNoSpacingTellsNothing) {
+  auto drawn = testing::oblique();
+  const GreenMap map = green_map(draw(drawn), 1e9);
+  for (const double spacing : {0.0, 1e-300, 1e-12, -1e-12, std::nan("")}) {
+    PlanarField field = drawn.field;
+    field.spacing = spacing;
+    EXPECT_EQ(leaf_map(map, CommonModel(field), 0.4).value, map.value) << spacing;
+  }
+}
+
 }  // namespace
 }  // namespace furrow::rows

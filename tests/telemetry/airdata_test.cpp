@@ -206,6 +206,25 @@ TEST(AirData, AConstantZeroGimbalIsUnknown) {
   EXPECT_EQ(moves->samples[0].gimbal_pitch_deg, 0.0);
 }
 
+TEST(AirData, HeightsThatNothingFliesAtAreUnknown) {
+  const std::string text = log_text({{.t_ms = 0, .height = 60000},
+                                     {.t_ms = 100, .height = 1e308, .sonar = 3},
+                                     {.t_ms = 200, .height = -70000},
+                                     {.t_ms = 300, .height = 10, .sonar = 1e9}});
+  const auto track = read_airdata(text, "x.csv");
+  ASSERT_TRUE(track.ok());
+  ASSERT_EQ(track->samples.size(), 4u);
+  EXPECT_NEAR(track->samples[0].height_takeoff_m, 18288.0, 1e-9);
+  for (const std::size_t i : {1u, 2u}) {
+    EXPECT_TRUE(std::isnan(track->samples[i].height_takeoff_m)) << i;
+    EXPECT_TRUE(std::isnan(track->samples[i].height_terrain_msl_m)) << i;
+  }
+  EXPECT_NEAR(track->samples[3].height_takeoff_m, 3.048, 1e-9);
+  EXPECT_TRUE(std::isnan(track->samples[3].height_vps_m));
+  EXPECT_TRUE(warns(*track, "a height beyond 20 km in 3 rows (first: line 3): taken as unknown"));
+  EXPECT_FALSE(warns(*read_airdata(log_text({{.t_ms = 0, .height = 60000}}), "x.csv"), "20 km"));
+}
+
 TEST(AirData, TextInNumericCellsAndNoFixAreUnknown) {
   std::string text = log_text({{.t_ms = 0}, {.t_ms = 100}, {.t_ms = 200, .latitude = 0, .longitude = 0}});
   const std::string cell = ",0.000000,1000.000000,";

@@ -39,6 +39,24 @@ TEST(ReadShot, MiniSeHasPitchAndAUselessHeight) {
   EXPECT_FALSE(shot->metadata.t_utc_ns.has_value());
 }
 
+TEST(ReadShot, AHeightThatNothingFliesAtIsUnknown) {
+  const auto file = furrow_data("flights/mini-se/early_corn/DJI_0189.JPG");
+  FURROW_NEEDS_DATA(file);
+  std::string bytes = *base::read_file(file);
+  const std::string height = "drone-dji:RelativeAltitude=\"";
+  const std::size_t at = bytes.find(height + "+0.00\"");
+  ASSERT_NE(at, std::string::npos);
+  bytes.replace(at + height.size(), 5, "1e308");
+  const auto folder = std::filesystem::path(testing::TempDir()) / "furrow_shot_height";
+  std::filesystem::create_directories(folder);
+  ASSERT_TRUE(base::write_file(folder / "high.jpg", bytes).ok());
+  const auto shot = read_shot(folder / "high.jpg");
+  std::filesystem::remove_all(folder);
+  ASSERT_TRUE(shot.ok()) << shot.error().message();
+  EXPECT_TRUE(std::isnan(shot->metadata.height_takeoff_m));
+  EXPECT_TRUE(warns(*shot, "a height beyond 20 km"));
+}
+
 TEST(ReadShot, P4RtkFixedGivesAnEllipsoidalHeight) {
   const auto file = furrow_data("telemetry/dji_jpeg/p4rtk/DJI_0010.JPG");
   FURROW_NEEDS_DATA(file);

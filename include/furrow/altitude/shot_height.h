@@ -28,7 +28,8 @@ struct SpacingHeight {
 
 /// Needs two or more rows. Takes each row's far edge where edges are given: it is the top's silhouette
 /// whatever the wall's shape. `prior` fills in for the pitch where the rows are parallel in the picture (near
-/// nadir). Errors: not_enough_rows, ill_conditioned, no_pitch (parallel rows and no prior).
+/// nadir). Errors: not_enough_rows, ill_conditioned, no_pitch (parallel rows and no prior), not_finite and
+/// bad_field (a farm's number that no farm can have, by name).
 Result<SpacingHeight> from_spacing(const RowsOnUnitPlane& rows, const FieldKnowledge& field,
                                    const AttitudePrior& prior);
 
