@@ -293,7 +293,7 @@ Look straight_look(const Image& picture, const DetectOptions& options, const Sea
 Guess guess_relief(const Image& picture, DetectOptions options, const Searched& searched,
                    const Guess& guess) {
   options.shape_pixels = kSearchPixels;
-  const Look look = straight_look(picture, options, searched, guess);
+  Look look = straight_look(picture, options, searched, guess);
   const auto straight = straight_model(picture, options.priors, look);
   const auto found = straight ? find_relief(look.map.map(), straight->model.field()) : std::nullopt;
   if (!found) return look;
