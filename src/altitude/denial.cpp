@@ -46,10 +46,12 @@ bool is_miscount(double height_m, double off_m, double sigma_m) {
 constexpr const char* kLookAtRows =
     "a line that is no row may have been counted: look at the picture of its rows";
 
-Error denied_fit(const JudgedShot& shot, double limit) {
+Error denied_fit(const JudgedShot& shot, JudgedIn field, double limit) {
+  const std::string missed = field == JudgedIn::own_field
+                                 ? "a field with the farm's numbers and the gimbal's angles"
+                                 : "the field that the flight's shots show together";
   return Error{"rows_do_not_fit", shot.shot_id,
-               "rows that miss a field with the farm's numbers and the gimbal's angles by " +
-                   base::format_fixed(shot.residual_rms, 1) +
+               "rows that miss " + missed + " by " + base::format_fixed(shot.residual_rms, 1) +
                    " sigmas, far more than the flight's other shots",
                "at most " + base::format_fixed(limit, 1), kLookAtRows};
 }
@@ -64,20 +66,26 @@ Error denied_height(const JudgedShot& shot, const Estimate& middle, double off_m
 
 }  // namespace
 
-std::vector<std::optional<Error>> denied_shots(const std::vector<JudgedShot>& shots,
-                                               const FlightOptions& options) {
+std::vector<std::optional<Error>> denied_by_fit(const std::vector<JudgedShot>& shots, JudgedIn field,
+                                                const FlightOptions& options) {
   std::vector<std::optional<Error>> errors(shots.size());
+  if (shots.size() <= kLeastOthers) return errors;
   std::vector<double> rms;
   rms.reserve(shots.size());
   for (const JudgedShot& shot : shots) rms.push_back(shot.residual_rms);
   // Where all shots fit worse than they claim, the claim is wrong, not every shot.
   const double limit = options.misfit_over_others * std::max(1.0, stats::median(rms));
+  for (std::size_t i = 0; i < shots.size(); ++i)
+    if (shots[i].residual_rms > limit) errors[i] = denied_fit(shots[i], field, limit);
+  return errors;
+}
+
+std::vector<std::optional<Error>> denied_shots(const std::vector<JudgedShot>& shots,
+                                               const FlightOptions& options) {
+  std::vector<std::optional<Error>> errors = denied_by_fit(shots, JudgedIn::own_field, options);
   std::vector<Offset> offsets;
   for (std::size_t i = 0; i < shots.size(); ++i) {
-    if (shots[i].residual_rms > limit && shots.size() > kLeastOthers) {
-      errors[i] = denied_fit(shots[i], limit);
-      continue;
-    }
+    if (errors[i]) continue;
     Estimate above_log = shots[i].height_above_canopy_m;
     above_log.value -= shots[i].log_height_m;
     if (above_log.usable()) offsets.push_back({i, above_log});

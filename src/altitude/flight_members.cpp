@@ -54,10 +54,9 @@ std::vector<FlightMember> prepare(const std::vector<ShotInput>& shots, const Cam
   return members;
 }
 
-/// Takes out members that the others deny by what each says, with their reasons; false when there are none.
-bool leave_out_denied(const std::vector<JudgedShot>& said, const FlightOptions& options,
-                      std::vector<FlightMember>& members, RefinedFlight& result) {
-  const auto denied = denied_shots(said, options);
+/// Takes out members that are denied, with their reasons; false when there are none.
+bool leave_out(const std::vector<std::optional<Error>>& denied, std::vector<FlightMember>& members,
+               RefinedFlight& result) {
   std::vector<FlightMember> kept;
   for (std::size_t i = 0; i < members.size(); ++i) {
     if (!denied[i]) {
@@ -96,21 +95,21 @@ std::vector<FlightMember> members_of(const std::vector<ShotInput>& shots, const 
     alone.push_back(
         {input.shot_id, member.alone.height_above_canopy_m, input.log_height_m, member.alone.residual_rms});
   }
-  leave_out_denied(alone, options, members, result);
+  leave_out(denied_shots(alone, options), members, result);
   share_roughness(members);
   return members;
 }
 
-bool leave_out_denied_in_flight(const std::vector<ShotInput>& shots, const std::vector<double>& member_rms,
-                                const FlightOptions& options, std::vector<FlightMember>& members,
-                                RefinedFlight& result) {
+bool leave_out_misfits(const std::vector<ShotInput>& shots, const std::vector<double>& member_rms,
+                       const FlightOptions& options, std::vector<FlightMember>& members,
+                       RefinedFlight& result) {
   std::vector<JudgedShot> in_flight;
   for (std::size_t i = 0; i < members.size(); ++i) {
-    const ShotInput& input = shots[members[i].input];
-    in_flight.push_back({input.shot_id, result.shots[members[i].input].height_above_canopy_m,
-                         input.log_height_m, member_rms[i]});
+    JudgedShot& shot = in_flight.emplace_back();
+    shot.shot_id = shots[members[i].input].shot_id;
+    shot.residual_rms = member_rms[i];
   }
-  return leave_out_denied(in_flight, options, members, result);
+  return leave_out(denied_by_fit(in_flight, JudgedIn::flight, options), members, result);
 }
 
 }  // namespace furrow::altitude

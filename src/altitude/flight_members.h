@@ -11,11 +11,11 @@ std::vector<FlightMember> members_of(const std::vector<ShotInput>& shots, const 
                                      const FieldKnowledge& field, const Farm& farm,
                                      const FlightOptions& options, RefinedFlight& result);
 
-/// Takes out members that the others deny at the flight's solution, which `result` describes: a shot whose
-/// rows fit some field alone may fit the flight's badly. `member_rms` are their misfits. False when there are
-/// none.
-bool leave_out_denied_in_flight(const std::vector<ShotInput>& shots, const std::vector<double>& member_rms,
-                                const FlightOptions& options, std::vector<FlightMember>& members,
-                                RefinedFlight& result);
+/// Takes out members whose rows miss what the flight shows together, which `result` describes: rows that fit
+/// some field alone may not fit this one. `member_rms` are their misfits. False when there are none. Heights
+/// are not asked again: in the flight the log's steps tie them.
+bool leave_out_misfits(const std::vector<ShotInput>& shots, const std::vector<double>& member_rms,
+                       const FlightOptions& options, std::vector<FlightMember>& members,
+                       RefinedFlight& result);
 
 }  // namespace furrow::altitude

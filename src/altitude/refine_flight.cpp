@@ -6,9 +6,9 @@
 namespace furrow::altitude {
 namespace {
 
-constexpr int kMostRounds = 3;  // of leaving out shots that the rest deny
+constexpr int kMostRounds = 3;  // of refining, each without the shots that fitted badly in the one before
 
-/// Refines the members, leaves out those that the rest deny, and describes what is left in `result`.
+/// Refines the members, leaves out those that then fit badly, and describes what is left in `result`.
 Status refine(FlightSystem& flight, const std::vector<ShotInput>& shots, const Camera& camera,
               const FieldKnowledge& field, const FlightOptions& options, RefinedFlight& result) {
   for (int round = 1;; ++round) {
@@ -28,8 +28,7 @@ Status refine(FlightSystem& flight, const std::vector<ShotInput>& shots, const C
     }
     result.residual_rms = normal.residual_rms;
     describe(flight, *inverse, normal.noise_scale2, camera, field, result);
-    if (round == kMostRounds ||
-        !leave_out_denied_in_flight(shots, normal.member_rms, options, flight.members, result))
+    if (round == kMostRounds || !leave_out_misfits(shots, normal.member_rms, options, flight.members, result))
       return Done{};
   }
 }
@@ -55,6 +54,7 @@ Result<RefinedFlight> refine_flight(const std::vector<ShotInput>& shots, const C
   } else {
     result.failure = refined.error();
     result.shots.assign(shots.size(), {});
+    for (const FlightMember& member : flight.members) result.status[member.input] = refined.error().code;
   }
   return result;
 }

@@ -160,11 +160,12 @@ std::string rise_words(const FlightFusion& fusion) {
     return format_fixed(e.value, 2) + " +- " + format_fixed(e.sigma, 2) + " m";
   };
   return "The rows' outline stands " + metres(told) +
-         " over the top that height_m names, as all sources together have it; the pictures' heights took it "
-         "for " +
-         metres(taken) + ". For flights over the same crop without such sources write outline_rise_m: " +
+         " over the top that height_m states, as pictures and a downward sensor that saw leaves and soil "
+         "have it together; "
+         "the pictures' heights took it for " +
+         metres(taken) + ". For flights over the same crop without such a sensor write outline_rise_m: " +
          format_fixed(told.value, 2) + " and outline_rise_sigma_m: " + format_fixed(told.sigma, 2) +
-         " under rows in project.yaml.";
+         " under rows in project.yaml, beside the same height_m.";
 }
 
 std::vector<TruthComparison> compare_fusion(const std::vector<ShotRecord>& records,

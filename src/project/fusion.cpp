@@ -71,8 +71,24 @@ Estimate typical_rise(const std::vector<VisionHeight>& vision) {
   return {stats::median(values), stats::median(sigmas), static_cast<int>(values.size())};
 }
 
+/// Whether the downward sensor saw leaves and soil, and no error of words could swap them.
+bool tells_levels_apart(const altitude::FusedFlight& fused, const Estimate& rise_m,
+                        const Estimate& row_height_m) {
+  constexpr std::ptrdiff_t kLeast = 2;  // readings of each
+  constexpr double kSigmas = 4.0;
+  const auto seen = [&](altitude::Seen surface) {
+    return std::count_if(fused.heights.begin(), fused.heights.end(),
+                         [surface](const altitude::FusedHeight& h) { return h.vps_seen == surface; });
+  };
+  if (seen(altitude::Seen::canopy) < kLeast || seen(altitude::Seen::soil) < kLeast) return false;
+  return row_height_m.value > kSigmas * std::hypot(rise_m.sigma, row_height_m.sigma);
+}
+
 /// The rise that is left when the outline's error is taken off: where pictures say too much, it is less.
-Estimate told_rise(const Estimate& taken_m, const altitude::FusedFlight& fused) {
+/// Nothing where the farm told it, or no downward sensor tells the levels of leaves and soil apart.
+Estimate told_rise(const Estimate& taken_m, const altitude::FusedFlight& fused,
+                   const altitude::FieldKnowledge& field) {
+  if (field.outline_rise_m.usable() || !tells_levels_apart(fused, taken_m, field.row_height_m)) return {};
   for (const altitude::SharedCause& shared : fused.causes) {
     if (shared.cause != "outline" || !taken_m.usable()) continue;
     return {taken_m.value - shared.error_sigmas.value * taken_m.sigma,
@@ -127,7 +143,7 @@ Result<audit::FlightFusion> fuse_flight(const sync::Located& located, const std:
   options.vps_canopy_sigma_m = top_sigma_m(vision, field);
   FURROW_TRY(fusion.fused, altitude::fuse(fusion.samples, options));
   fusion.rise_taken_m = typical_rise(vision);
-  fusion.rise_told_m = told_rise(fusion.rise_taken_m, fusion.fused);
+  fusion.rise_told_m = told_rise(fusion.rise_taken_m, fusion.fused, field);
   for (const HeightSource source : audit::speaking_sources(fusion)) {
     altitude::FuseOptions without = options;
     without.use[static_cast<std::size_t>(source)] = false;

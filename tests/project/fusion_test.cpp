@@ -213,6 +213,35 @@ TEST(FuseFlight, TellsTheRiseOfTheOutlineAndItsSigmaHolds) {
   EXPECT_GE(coverage.within_2_sigma, 0.89);
 }
 
+// Rows lower than a few sigmas of what words leave open: a sensor's leaves may pass for soil. And a farm that
+// told the rise is not told it back.
+TEST(FuseFlight, SaysNothingOfTheRiseOverLowRowsOrWhereTheFarmToldIt) {
+  Flown flown = fly(sim::demo_scene(), 1);
+  const auto usable = [&flown](const altitude::FieldKnowledge& field) {
+    const auto fusion = fuse_flight(flown.located, flown.vision, field);
+    return fusion.ok() && fusion->rise_told_m.usable();
+  };
+  EXPECT_TRUE(usable(flown.field));
+  altitude::FieldKnowledge told = flown.field, low = flown.field;
+  told.outline_rise_m = {0.1, 0.02, 1};
+  EXPECT_FALSE(usable(told));
+  low.row_height_m.sigma = 0.5 * low.row_height_m.value;
+  EXPECT_FALSE(usable(low));
+  for (sync::ShotPose& pose : flown.located.poses) pose.state.height_vps_m = std::nan("");
+  EXPECT_FALSE(usable(flown.field));
+}
+
+TEST(FuseFlight, WordsOfTheRiseSayWhatToWrite) {
+  audit::FlightFusion fusion;
+  fusion.rise_taken_m = {0.13, 0.17, 9};
+  fusion.rise_told_m = {0.263, 0.074, 9};
+  const std::string words = audit::rise_words(fusion);
+  EXPECT_NE(words.find("0.26 +- 0.07 m"), std::string::npos) << words;
+  EXPECT_NE(words.find("outline_rise_m: 0.26 and outline_rise_sigma_m: 0.07"), std::string::npos) << words;
+  fusion.rise_told_m.sigma = 0.13;  // adds little
+  EXPECT_EQ(audit::rise_words(fusion), "");
+}
+
 TEST(FuseFlight, SaysNothingOfTheRiseWithoutPicturesThatTookOne) {
   const Flown flown = fly(sim::demo_scene(), 1);
   std::vector<VisionHeight> without = flown.vision;

@@ -21,7 +21,8 @@ struct FlightFusion {
   altitude::FusedFlight fused;
   std::vector<FusionTrial> without;  ///< one for each source that spoke
   /// How far the rows' outline stands above the top that the farm names (FieldKnowledge::outline_rise_m): as
-  /// the pictures' heights took it, and as all sources together have it. Unusable without such heights.
+  /// the pictures' heights took it, and as all sources together have it: over the row height that was stated.
+  /// Unusable without such heights; told only where a downward sensor saw leaves and soil.
   Estimate rise_taken_m, rise_told_m;
 };
 
