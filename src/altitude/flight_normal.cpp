@@ -50,16 +50,15 @@ MemberJacobian linearise(const FlightMember& member, const SharedVector& shared)
 
 FlightNormal normal_of(const FlightSystem& flight, double repeats) {
   std::vector<MemberJacobian> parts;
+  FlightNormal normal;
   double squares = 0.0, count = 0.0;
   for (const FlightMember& member : flight.members) {
     parts.push_back(linearise(member, flight.shared));
-    squares += parts.back().residuals.squaredNorm();
-    count += static_cast<double>(parts.back().residuals.size());
-  }
-  FlightNormal normal;
-  for (const MemberJacobian& part : parts) {
-    const double own = static_cast<double>(part.residuals.size()) - kPoseSize;
-    normal.member_rms.push_back(std::sqrt(part.residuals.squaredNorm() / std::max(1.0, own)));
+    const double own = parts.back().residuals.squaredNorm();
+    const double residuals = static_cast<double>(parts.back().residuals.size());
+    normal.member_rms.push_back(std::sqrt(own / std::max(1.0, residuals - kPoseSize)));
+    squares += own;
+    count += residuals;
   }
   const double freedom = count - kPoseSize * static_cast<double>(flight.members.size());
   normal.noise_scale2 = noise_scale2(squares, freedom);

@@ -161,8 +161,7 @@ std::string rise_words(const FlightFusion& fusion) {
   };
   return "The rows' outline stands " + metres(told) +
          " over the top that height_m states, as pictures and a downward sensor that saw leaves and soil "
-         "have it together; "
-         "the pictures' heights took it for " +
+         "have it together; the pictures' heights took it for " +
          metres(taken) + ". For flights over the same crop without such a sensor write outline_rise_m: " +
          format_fixed(told.value, 2) + " and outline_rise_sigma_m: " + format_fixed(told.sigma, 2) +
          " under rows in project.yaml, beside the same height_m.";

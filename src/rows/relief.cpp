@@ -278,9 +278,9 @@ std::optional<FoundRelief> find_relief(const GreenMap& level, const PlanarField&
   const auto [same, any] = search(profile, camera);
   const Scored strips = between_strips(profile, camera);
   const double here = std::max(same.score, flat_score(profile));
-  if (std::max(strips.score - kStripsGain, any.score - kLeastGain) <= here)
-    return FoundRelief{same.relief, false};
-  return FoundRelief{strips.score - kStripsGain > any.score - kLeastGain ? strips.relief : any.relief, true};
+  const double by_strips = strips.score - kStripsGain, by_any = any.score - kLeastGain;
+  if (std::max(by_strips, by_any) <= here) return FoundRelief{same.relief, false};
+  return FoundRelief{by_strips > by_any ? strips.relief : any.relief, true};
 }
 
 }  // namespace furrow::rows
